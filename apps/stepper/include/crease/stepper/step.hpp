@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "crease/collision/detect.hpp"
+#include "crease/constraints/rows.hpp"
+#include "crease/dynamics/assemble.hpp"
+#include "crease/geometry/cloth.hpp"
+#include "crease/remesh/remesh.hpp"
+#include "crease/solver/qp_solver.hpp"
+#include "crease/stepper/scene.hpp"
+
+namespace crease {
+
+enum class StepStatus { Done, QpFailed, NotFinite, EulerianStepTooLong, RemeshFailed };
+const char* to_string(StepStatus status);
+
+/// Seconds of wall time a stage took.
+struct StageTimes {
+  double detect = 0, remesh = 0, transfer = 0, assemble = 0, constrain = 0, solve = 0, integrate = 0;
+};
+
+/// What one step of one sheet did; the numbers of a row of steps.csv.
+struct StepReport {
+  StepStatus status = StepStatus::Done;
+  std::string stage, message;          ///< where and why it failed
+  int contacts = 0, active_constraints = 0, qp_iterations = 0;
+  int inserted = 0, released = 0, refusals = 0;
+  int splits = 0, flips = 0, collapses = 0;
+  double kkt_residual = 0;
+  double kinetic_energy = 0, membrane_energy = 0, bending_energy = 0, gravitational_energy = 0;  ///< before the step
+  Vec3 momentum = Vec3::Zero();
+  Vec3 edge_reaction = Vec3::Zero();   ///< force of all EOL vertices' contacts on the cloth [N]
+  Vec3 pin_reaction = Vec3::Zero();    ///< force of all pins on the cloth [N]
+  StageTimes times;
+};
+
+/// The stages of Algorithm 1 as replaceable functions; an empty one is left out and costs nothing.
+struct Stages {
+  std::function<std::vector<Contact>(const Cloth&, std::span<const PosedObstacle>, double h)> detect;
+  std::function<RemeshResult(const Cloth&, std::span<const Contact>, std::span<const PosedObstacle>)> remesh;
+  std::function<QpResult(const QpProblem&, std::span<const char> guess)> solve;
+};
+
+/// Everything of a sheet that lives from step to step.
+struct SheetSettings {
+  Material material;
+  DynamicsOptions dynamics;
+  double threshold = 1e-3;         ///< contact threshold [m]
+  std::vector<PinSpec> pins;
+};
+
+struct StepResult {
+  Cloth cloth;
+  StepReport report;
+};
+
+/// Advances one sheet; see step().
+class SheetStepper {
+ public:
+  SheetStepper(SheetSettings settings, Stages stages);
+  ~SheetStepper();
+  SheetStepper(SheetStepper&&) noexcept;
+
+  /// One linearly implicit step from `time` to `time + h` (Algorithm 1):
+  /// detect -> conform and adapt -> transfer -> assemble -> rows -> solve -> integrate. The given cloth is not changed,
+  /// so a failed step leaves nothing behind.
+  StepResult step(const Cloth& cloth, std::span<const Obstacle> obstacles, double time, double h);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The shipped stages for a scene's sheet.
+Stages make_stages(const Scene& scene, const ClothSpec& spec);
+
+/// Mean velocity of a pin over [time, time + h]: exact integral of the smoothed script.
+PinState pin_state(const PinSpec& pin, int index, double time, double h);
+
+}  // namespace crease

@@ -1,0 +1,15 @@
+# Debian's Ipopt 3.11.9 has pkg-config only. Defines Ipopt::Ipopt.
+find_package(PkgConfig QUIET)
+if(PkgConfig_FOUND)
+  pkg_check_modules(PC_IPOPT QUIET ipopt)
+endif()
+find_path(Ipopt_INCLUDE_DIR IpIpoptApplication.hpp PATH_SUFFIXES coin HINTS ${PC_IPOPT_INCLUDE_DIRS})
+find_library(Ipopt_LIBRARY ipopt HINTS ${PC_IPOPT_LIBRARY_DIRS})
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(Ipopt REQUIRED_VARS Ipopt_LIBRARY Ipopt_INCLUDE_DIR)
+if(Ipopt_FOUND AND NOT TARGET Ipopt::Ipopt)
+  add_library(Ipopt::Ipopt UNKNOWN IMPORTED)
+  set_target_properties(Ipopt::Ipopt PROPERTIES IMPORTED_LOCATION "${Ipopt_LIBRARY}"
+    INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "${Ipopt_INCLUDE_DIR}" INTERFACE_COMPILE_DEFINITIONS "HAVE_CSTDDEF")
+endif()
+mark_as_advanced(Ipopt_INCLUDE_DIR Ipopt_LIBRARY)

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "crease/base/types.hpp"
+#include "crease/geometry/cloth.hpp"
+#include "crease/geometry/obstacle.hpp"
+
+namespace crease {
+
+/// Tagged half-edges that leave `vertex` with the given tag (canonical half-edges of border edges included).
+std::vector<int> chain_edges(const Cloth& cloth, int vertex, int tag);
+
+/// Unit material tangent of the chain at an EOL edge vertex: mean of its fold edges' directions, each oriented along the
+/// obstacle edge a -> b (world direction of the cloth edge . tangent > 0), so that two halves never cancel. With no fold
+/// edge: F^+ (pseudo-inverse, area-weighted F) applied to the obstacle's tangent.
+/// @pre vertex is EOL on an edge
+Vec2 chain_tangent(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles);
+
+/// Unit material vector orthogonal to the border at a border vertex (mean of its two border edges).
+Vec2 border_normal(const Mesh& mesh, int vertex);
+
+/// The equality rows on Xdot alone of one EOL vertex, unit vectors in material space: the border rule b on the border,
+/// the tangent rule t at an interior vertex on an edge, none at corners.                       [WEIDNER18, Alg. 2]
+std::vector<Vec2> eulerian_rows(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles);
+
+}  // namespace crease

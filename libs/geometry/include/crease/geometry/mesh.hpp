@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "crease/base/types.hpp"
+
+namespace crease {
+
+/// Index-based triangle mesh that lives in two spaces: material positions X (the cloth lying flat) and world positions x.
+///
+/// Representation. Face f holds three vertices counter-clockwise in material space. Half-edge h = 3 f + k runs from
+/// corner k of face f to corner (k+1) % 3. `twin(h)` is the half-edge of the neighbouring face that runs the other way,
+/// or `none` on the border. An edge is named by either of its half-edges; `edge_of(h)` is the canonical one
+/// (min(h, twin)). Vertices and faces are removed by marking and their slots are not reused until `compact()`, so ids
+/// stay valid through a remeshing pass. Every operation is deterministic.
+///
+/// Invariants, checked by `validate()`: edge-manifold with at most one border fan a vertex, consistent orientation,
+/// every live face has positive material area, twins agree, tags agree on both sides, no vertex without a face.
+class Mesh {
+ public:
+  static constexpr int none = -1;
+
+  Mesh() = default;
+  /// @pre X.size() == x.size(); throws std::invalid_argument naming the first face that is out of range, repeated,
+  ///      inverted or of zero area in material space, or that makes the mesh non-manifold.
+  Mesh(std::vector<Vec2> material, std::vector<Vec3> world, const std::vector<std::array<int, 3>>& faces);
+
+  // -- sizes and liveness (slots include removed entries until compact()) ---------------------------------------------
+  int vertex_slots() const { return static_cast<int>(X.size()); }
+  int face_slots() const { return static_cast<int>(faces_.size()); }
+  int n_vertices() const { return n_vertices_; }  ///< live vertices
+  int n_faces() const { return n_faces_; }        ///< live faces
+  bool vertex_live(int v) const { return vertex_halfedge_[v] != none; }
+  bool face_live(int f) const { return faces_[f][0] != none; }
+  bool is_compact() const { return n_vertices_ == vertex_slots() && n_faces_ == face_slots(); }
+
+  // -- adjacency -----------------------------------------------------------------------------------------------------
+  const std::array<int, 3>& face(int f) const { return faces_[f]; }
+  static int face_of(int h) { return h / 3; }
+  static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static int prev(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  int from(int h) const { return faces_[h / 3][h % 3]; }
+  int to(int h) const { return from(next(h)); }
+  int opposite(int h) const { return from(prev(h)); }  ///< the corner of h's face that is not on h
+  int twin(int h) const { return twin_[h]; }
+  int edge_of(int h) const { return twin_[h] == none || h < twin_[h] ? h : twin_[h]; }
+  bool is_border(int h) const { return twin_[h] == none; }
+  bool is_border_vertex(int v) const;
+  /// One half-edge that leaves v; on the border the one whose face is first in counter-clockwise order, so that
+  /// walking h -> twin(prev(h)) from it meets every face of v.
+  int halfedge(int v) const { return vertex_halfedge_[v]; }
+  /// Half-edges that leave v, counter-clockwise, one a face.
+  std::vector<int> outgoing(int v) const;
+  /// Vertices joined to v by an edge, counter-clockwise; on the border from one border neighbour to the other.
+  std::vector<int> neighbours(int v) const;
+  /// The half-edge from a to b, or that from b to a if only it exists (border), or none.
+  int find_edge(int a, int b) const;
+  /// Canonical half-edges of all live edges, ascending.
+  std::vector<int> edges() const;
+
+  // -- material geometry ---------------------------------------------------------------------------------------------
+  double material_area(int f) const;                 ///< signed, positive for a valid face [m^2]
+  double material_length(int h) const;               ///< [m]
+  /// Angle by which the border turns at a border vertex: 0 on a straight border, pi/2 at the corner of a square [rad].
+  double border_turn(int v) const;
+  /// Border vertex where the border turns by more than `angle` [rad]: never moved, collapsed or made Eulerian.
+  bool is_material_corner(int v, double angle = 0.2) const;
+
+  // -- edge tags: 0 = plain; any other number names a line that must stay in the mesh as a chain of edges ------------
+  int tag(int h) const { return tag_[h]; }
+  void set_tag(int h, int tag);  ///< both sides
+
+  // -- operations: `can_*` first; an operation asserts it ------------------------------------------------------------
+  /// What a split made.
+  struct Split {
+    int vertex;                     ///< the new vertex
+    std::vector<int> faces;         ///< every face that is new or changed
+  };
+  /// Splits edge h at from + t (to - from), 0 < t < 1, in both spaces. Both halves inherit the tag; the one or two new
+  /// inner edges have none. The surface does not change. The half towards from(h) keeps the slot h.
+  /// @pre the children keep positive material area: see can_split.
+  bool can_split(int h, double t) const;
+  Split split(int h, double t);
+  /// Splits face f at the point with barycentric coordinates b (all positive).
+  bool can_split_face(int f, const Vec3& b) const;
+  Split split_face(int f, const Vec3& b);
+  /// Replaces edge ac by bd in the two faces of h. False on the border, on a tagged edge, where bd exists already, or
+  /// where a new face would have no positive material area.
+  bool can_flip(int h) const;
+  std::array<int, 2> flip(int h);  ///< the two faces, both changed
+  /// What a collapse did.
+  struct Collapse {
+    int vertex;                     ///< the vertex that went
+    int into;
+    std::vector<int> faces;         ///< live faces that changed (around `into`)
+    std::vector<int> removed_faces;
+  };
+  /// Removes from(h), moving its edges to to(h). False if the link condition fails, if a border vertex would leave the
+  /// border or shorten it through a corner, if a tagged line would be shortened other than along itself (exactly two
+  /// edges with the same tag at from(h), h one of them; or from(h) untagged), or if a face that stays would have a
+  /// material area not above `min_area` (absolute, >= 0). Tags of merging edges are kept (a tagged one wins).
+  bool can_collapse(int h, double min_area = 0.0) const;
+  Collapse collapse(int h);
+
+  // -- upkeep --------------------------------------------------------------------------------------------------------
+  /// Old -> new vertex and face ids (none = removed).
+  struct Renumbering {
+    std::vector<int> vertex, face;
+  };
+  /// Drops the removed slots, keeping order.
+  Renumbering compact();
+  /// First broken invariant in words, or nothing.
+  std::optional<std::string> validate() const;
+
+  // One entry a vertex slot; the caller may move vertices freely as long as material areas stay positive.
+  std::vector<Vec2> X;  ///< material positions [m]
+  std::vector<Vec3> x;  ///< world positions [m]
+
+ private:
+  std::vector<std::array<int, 3>> faces_;
+  std::vector<int> twin_, tag_;          // one entry a half-edge
+  std::vector<int> vertex_halfedge_;
+  int n_vertices_ = 0, n_faces_ = 0;
+};
+
+}  // namespace crease

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "crease/geometry/cloth.hpp"
+
+namespace crease {
+
+/// Reads a cloth mesh: v = world position, vt = material coordinate in metres. Polygons are refused; a file without vt,
+/// a seam (one v with several vt), a non-manifold, inverted or zero-area triangle too.
+/// Throws std::runtime_error "FILE:LINE: what is wrong and what would be right".
+Mesh read_obj(const std::filesystem::path& file);
+
+struct NamedCloth {
+  std::string name;
+  const Cloth* cloth;
+};
+/// Writes `# time T`, `# eol i j ...` (1-based), `v`, `vt`, `f a/a b/b c/c`; one `o NAME` each with several cloths.
+/// 17 significant digits, so reading it back gives the same numbers.
+void write_obj(std::ostream& out, std::span<const NamedCloth> cloths, double time);
+
+}  // namespace crease

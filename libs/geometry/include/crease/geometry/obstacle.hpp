@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "crease/base/types.hpp"
+
+namespace crease {
+
+enum class FeatureKind { None, Edge, Corner };
+
+/// Names one sharp feature of one obstacle.
+struct FeatureId {
+  int obstacle = -1;
+  FeatureKind kind = FeatureKind::None;
+  int index = -1;  ///< into ObstacleShape::edges or ::corners
+  bool operator==(const FeatureId&) const = default;
+};
+
+/// A sharp point: the corner of a box, the tip of a nail.
+struct SharpCorner {
+  Vec3 position;               ///< local coordinates [m]
+  std::vector<Vec3> normals;   ///< unit outward normals of the faces that meet there (3 on a box, 1 on a nail)
+};
+
+/// A sharp edge between two flat faces, or one segment of a wire.
+struct SharpEdge {
+  Vec3 a, b;                        ///< local end points [m]; the tangent runs from a to b
+  std::array<Vec3, 2> normals;      ///< unit outward normals of its two faces; unused on a wire
+  std::array<int, 2> corners{-1, -1};  ///< indices of the corners at a and b, -1 = none
+  bool free_cone = false;           ///< true on a wire: any normal orthogonal to the tangent
+};
+
+/// A shape in its own frame: a surface to stay outside of, and the sharp features on it.
+///
+/// All shapes share this description, so that no later stage knows what it was made from: a box has 12 triangles, 8
+/// corners and 12 edges; a nail one corner and no surface; a wire edges and no surface; a closed mesh the edges sharper
+/// than a given angle.
+struct ObstacleShape {
+  enum class Kind { Box, Point, Wire, Mesh };
+  Kind kind = Kind::Box;
+  Vec3 half_size = Vec3::Zero();                     ///< Box only [m]
+  std::vector<Vec3> vertices;
+  std::vector<std::array<int, 3>> triangles;         ///< outward orientation
+  std::vector<SharpCorner> corners;
+  std::vector<SharpEdge> edges;
+};
+
+/// Axis-aligned box about the origin. @pre size > 0
+ObstacleShape make_box(const Vec3& size);
+
+/// Velocity that holds until the next entry.
+struct MotionKey {
+  double time = 0;                               ///< [s]
+  Vec3 velocity = Vec3::Zero();                  ///< [m/s]
+  Vec3 angular_velocity = Vec3::Zero();          ///< about the obstacle's own position, world axes [rad/s]
+};
+
+/// Position and velocity of a rigid obstacle at one time.
+struct Pose {
+  Vec3 position = Vec3::Zero();
+  Mat3 rotation = Mat3::Identity();
+  Vec3 velocity = Vec3::Zero();
+  Vec3 angular_velocity = Vec3::Zero();
+  Vec3 to_world(const Vec3& p) const { return position + rotation * p; }
+  Vec3 to_local(const Vec3& p) const { return rotation.transpose() * (p - position); }
+  /// World velocity of the obstacle's material at world point p.
+  Vec3 velocity_at(const Vec3& p) const { return velocity + angular_velocity.cross(p - position); }
+};
+
+struct Obstacle {
+  std::string name;
+  ObstacleShape shape;
+  Pose start;                       ///< pose at time 0 (its velocities are ignored: see motion)
+  std::vector<MotionKey> motion;    ///< ascending times; empty = at rest
+};
+
+/// Exact pose at a time: piecewise constant twist about the moving position.
+Pose pose_at(const Obstacle& obstacle, double time);
+
+/// An obstacle where it is now; the shape must outlive it.
+struct PosedObstacle {
+  const ObstacleShape* shape = nullptr;
+  Pose pose;
+};
+
+/// Signed distance of a world point to the obstacle's surface, negative inside [m]; std::nullopt if the shape has no
+/// surface (points, wires).
+std::optional<double> signed_distance(const ObstacleShape& shape, const Pose& pose, const Vec3& p);
+
+}  // namespace crease

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "crease/solver/qp.hpp"
+
+namespace crease {
+
+enum class QpMethod {
+  ActiveSet,  ///< default: primal-dual active set on CHOLMOD, local rows as bounds, general rows in a Schur border
+  Ipopt       ///< independent reference: interior point, exact Hessian
+};
+
+/// Keeps a factorisation's symbolic analysis and workspace between calls.
+class QpSolver {
+ public:
+  virtual ~QpSolver() = default;
+  /// @param guess  optional start: 1 = inequality expected active; empty = all local ones active
+  /// Never throws on numerics: every outcome is a status. Throws std::invalid_argument on a malformed problem.
+  virtual QpResult solve(const QpProblem& problem, const QpOptions& options = {}, std::span<const char> guess = {}) = 0;
+};
+
+std::unique_ptr<QpSolver> make_qp_solver(QpMethod method);
+
+}  // namespace crease
