@@ -1,1 +1,296 @@
 // SPDX-License-Identifier: MIT
+#include "crease/stepper/step.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "crease/base/require.hpp"
+#include "crease/geometry/dof_map.hpp"
+#include "crease/geometry/triangle.hpp"
+#include "feature_tracking.hpp"
+
+namespace crease {
+namespace {
+
+/// Smallest share of its material area that a triangle may keep in one step. An EOL vertex may thus cross at most 0.3
+/// of the altitude ahead of it: the material Courant number at which explicit velocity terms are still accurate.
+constexpr double min_area_share = 0.7;
+
+class Stopwatch {
+ public:
+  /// Seconds since the last lap.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Names a row across steps and remeshing.
+using RowKey = std::tuple<int, int, int, int, int, int>;
+RowKey key_of(const RowInfo& row) {
+  return {row.vertex,           static_cast<int>(row.kind),         row.slot,
+          row.feature.obstacle, static_cast<int>(row.feature.kind), row.feature.index};
+}
+
+std::vector<PosedObstacle> pose_all(std::span<const Obstacle> obstacles, double time, double h) {
+  std::vector<PosedObstacle> posed;
+  posed.reserve(obstacles.size());
+  for (const Obstacle& obstacle : obstacles) posed.push_back({&obstacle.shape, mean_motion(obstacle, time, h)});
+  return posed;
+}
+
+QpProblem make_problem(const AssembledSystem& system, const ConstraintRows& rows, const DofMap& dofs) {
+  QpProblem problem{system.H, system.rhs, rows.A_eq, rows.A_in, rows.b_eq, rows.b_in, dofs.start};
+  for (const auto& term : rows.regularisation) {
+    const int at = dofs.x(term.vertex);
+    double diagonal = 0;
+    for (int k = 0; k < 3; ++k) diagonal += system.H.coeff(at + k, at + k) / 3;
+    const double weight = term.scale * diagonal;
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 3; ++i) problem.H.coeffRef(at + i, at + j) += weight * term.direction[i] * term.direction[j];
+      problem.f[at + j] += weight * term.value * term.direction[j];
+    }
+  }
+  return problem;
+}
+
+bool all_finite(const Cloth& cloth) {
+  for (int i = 0; i < cloth.mesh.vertex_slots(); ++i)
+    if (!cloth.mesh.x[i].allFinite() || !cloth.mesh.X[i].allFinite() || !cloth.v[i].allFinite()) return false;
+  return true;
+}
+
+/// True if no triangle at an EOL vertex lost more than its allowed share of material area.
+bool eulerian_step_fits(const Cloth& before, const Cloth& after) {
+  for (int f = 0; f < before.mesh.n_faces(); ++f) {
+    const auto& corners = before.mesh.face(f);
+    if (std::none_of(corners.begin(), corners.end(), [&](int v) { return before.is_eol(v); })) continue;
+    if (!(after.mesh.material_area(f) >= min_area_share * before.mesh.material_area(f))) return false;
+  }
+  return true;
+}
+
+/// What the stages of one step hand on to each other.
+struct Work {
+  double time, h;
+  std::vector<PosedObstacle> posed;
+  Cloth cloth;  // remeshed; its velocities are still those before the step
+  std::vector<Contact> contacts{};
+  DofMap dofs{};
+  ConstraintRows rows{};
+  QpResult solution{};
+  StepReport report{};
+  Stopwatch watch{};
+
+  bool fail(StepStatus status, std::string stage, std::string message) {
+    report.status = status;
+    report.stage = std::move(stage);
+    report.message = std::move(message);
+    return false;
+  }
+};
+
+void read_multipliers(Work& work) {
+  const auto& rows = work.rows;
+  const auto& solution = work.solution;
+  StepReport& report = work.report;
+  report.active_constraints =
+      static_cast<int>(rows.eq.size() + std::count(solution.active.begin(), solution.active.end(), 1));
+  for (std::size_t r = 0; r < rows.in.size(); ++r)
+    if (rows.in[r].kind == RowKind::EolNormal)
+      report.edge_reaction += solution.lambda_in[static_cast<int>(r)] / work.h * rows.in[r].normal;
+  for (std::size_t r = 0; r < rows.eq.size(); ++r)
+    if (rows.eq[r].kind == RowKind::Pin)
+      report.pin_reaction += solution.lambda_eq[static_cast<int>(r)] / work.h * rows.eq[r].normal;
+}
+
+}  // namespace
+
+const char* to_string(StepStatus status) {
+  switch (status) {
+    case StepStatus::Done:
+      return "done";
+    case StepStatus::QpFailed:
+      return "quadratic program failed";
+    case StepStatus::NotFinite:
+      return "state is not finite";
+    case StepStatus::EulerianStepTooLong:
+      return "material step too long for the triangles ahead";
+    case StepStatus::RemeshFailed:
+      return "remeshing failed";
+  }
+  return "unknown";
+}
+
+struct SheetStepper::Impl {
+  SheetSettings settings;
+  Stages stages;
+  Assembler assembler;
+  const AssembledSystem* system = nullptr;  // the assembler's, of the step under way
+  // Of the last accepted assembly: reused while faces and EOL set stay.
+  std::vector<std::array<int, 3>> faces;
+  std::vector<char> eol;
+  std::map<RowKey, char> active;  // activity of the last solution, by row
+
+  // The stages of Algorithm 1, in order; false = the step failed and the report says why.
+  void detect(Work& work);
+  void remesh(Work& work);
+  bool assemble(Work& work);
+  void constrain(Work& work);
+  bool solve(Work& work);
+  bool integrate(Work& work, std::span<const Obstacle> obstacles);
+
+  bool same_topology(const Cloth& cloth);
+  std::vector<char> guess(const ConstraintRows& rows, const VecX& free_velocity) const;
+  void remember(const ConstraintRows& rows, const QpResult& solution);
+  void renumber(const std::vector<int>& vertex_map);
+};
+
+bool SheetStepper::Impl::same_topology(const Cloth& cloth) {
+  std::vector<std::array<int, 3>> now_faces(static_cast<std::size_t>(cloth.mesh.n_faces()));
+  std::vector<char> now_eol(static_cast<std::size_t>(cloth.mesh.n_vertices()));
+  for (int f = 0; f < cloth.mesh.n_faces(); ++f) now_faces[f] = cloth.mesh.face(f);
+  for (int v = 0; v < cloth.mesh.n_vertices(); ++v) now_eol[v] = cloth.is_eol(v);
+  const bool same = now_faces == faces && now_eol == eol;
+  faces = std::move(now_faces);
+  eol = std::move(now_eol);
+  return same;
+}
+
+/// Rows known from the last step start as they ended; new ones start active if the unconstrained motion breaks them.
+std::vector<char> SheetStepper::Impl::guess(const ConstraintRows& rows, const VecX& free_velocity) const {
+  std::vector<char> start(rows.in.size());
+  const VecX slack = rows.A_in * free_velocity - rows.b_in;
+  for (std::size_t r = 0; r < rows.in.size(); ++r) {
+    const auto known = active.find(key_of(rows.in[r]));
+    start[r] = known != active.end() ? known->second : static_cast<char>(slack[static_cast<int>(r)] <= 0);
+  }
+  return start;
+}
+
+void SheetStepper::Impl::remember(const ConstraintRows& rows, const QpResult& solution) {
+  active.clear();
+  for (std::size_t r = 0; r < rows.in.size(); ++r) active[key_of(rows.in[r])] = solution.active[r];
+}
+
+void SheetStepper::Impl::renumber(const std::vector<int>& vertex_map) {
+  std::map<RowKey, char> moved;
+  for (const auto& [key, value] : active) {
+    const int old = std::get<0>(key);
+    if (old < 0 || old >= static_cast<int>(vertex_map.size()) || vertex_map[old] == Mesh::none) continue;
+    RowKey renamed = key;
+    std::get<0>(renamed) = vertex_map[old];
+    moved[renamed] = value;
+  }
+  active = std::move(moved);
+}
+
+SheetStepper::SheetStepper(SheetSettings settings, Stages stages)
+    : impl_(std::make_unique<Impl>(Impl{std::move(settings), std::move(stages), {}, nullptr, {}, {}, {}})) {
+  require_valid(impl_->settings.material);
+}
+SheetStepper::~SheetStepper() = default;
+SheetStepper::SheetStepper(SheetStepper&&) noexcept = default;
+
+void SheetStepper::Impl::detect(Work& work) {
+  if (stages.detect) work.contacts = stages.detect(work.cloth, work.posed, work.h);
+  work.report.contacts = static_cast<int>(work.contacts.size());
+  work.report.times.detect += work.watch.lap();
+}
+
+void SheetStepper::Impl::remesh(Work& work) {
+  if (!stages.remesh) return;
+  RemeshResult remeshed = stages.remesh(work.cloth, work.contacts, work.posed);
+  const RemeshReport& done = remeshed.report;
+  StepReport& report = work.report;
+  report.inserted = done.inserted;
+  report.released = done.released;
+  report.splits = done.splits;
+  report.flips = done.flips;
+  report.collapses = done.collapses;
+  report.refusals = static_cast<int>(done.refusals.size());
+  report.times.remesh = work.watch.lap();
+  if (!done.changed) return;
+  renumber(done.vertex_map);
+  work.cloth = std::move(remeshed.cloth);
+  report.times.transfer = work.watch.lap();
+  detect(work);  // contacts name vertices: find them again on the new mesh
+}
+
+bool SheetStepper::Impl::assemble(Work& work) {
+  work.dofs = make_dof_map(work.cloth);
+  system = &assembler.assemble(work.cloth, work.dofs, settings.material, settings.dynamics, work.h,
+                               same_topology(work.cloth));
+  StepReport& report = work.report;
+  report.kinetic_energy = system->kinetic_energy;
+  report.membrane_energy = system->membrane_energy;
+  report.bending_energy = system->bending_energy;
+  report.gravitational_energy = system->gravitational_energy;
+  report.momentum = system->momentum;
+  report.times.assemble = work.watch.lap();
+  return system->rhs.allFinite() || work.fail(StepStatus::NotFinite, "assemble", "forces are not finite");
+}
+
+void SheetStepper::Impl::constrain(Work& work) {
+  std::vector<PinState> pins;
+  for (std::size_t k = 0; k < settings.pins.size(); ++k)
+    pins.push_back(pin_state(settings.pins[k], static_cast<int>(k), work.time, work.h));
+  ConstraintOptions options;
+  options.h = work.h;
+  options.threshold = settings.threshold;
+  work.rows = build_constraints(work.cloth, work.dofs, work.contacts, work.posed, pins, options);
+  work.report.times.constrain = work.watch.lap();
+}
+
+bool SheetStepper::Impl::solve(Work& work) {
+  VecX free_velocity = gather_velocity(work.cloth, work.dofs);
+  for (int v = 0; v < work.cloth.mesh.n_vertices(); ++v)
+    free_velocity.segment<3>(work.dofs.x(v)) += work.h * settings.dynamics.gravity;
+  work.solution = stages.solve(make_problem(*system, work.rows, work.dofs), guess(work.rows, free_velocity));
+  const QpResult& solution = work.solution;
+  work.report.qp_iterations = solution.iterations;
+  work.report.kkt_residual = solution.kkt_residual;
+  work.report.times.solve = work.watch.lap();
+  if (solution.status != QpStatus::Solved)
+    return work.fail(StepStatus::QpFailed, "solve", std::string(to_string(solution.status)) + ": " + solution.message);
+  read_multipliers(work);
+  return true;
+}
+
+bool SheetStepper::Impl::integrate(Work& work, std::span<const Obstacle> obstacles) {
+  Cloth next = work.cloth;
+  scatter_velocity(work.solution.q, work.dofs, next);
+  for (int v = 0; v < next.mesh.n_vertices(); ++v) {
+    next.mesh.x[v] += work.h * next.v[v];
+    if (next.is_eol(v)) next.mesh.X[v] += work.h * next.V[v];
+  }
+  if (!all_finite(next)) return work.fail(StepStatus::NotFinite, "integrate", "a position or velocity is not finite");
+  if (!eulerian_step_fits(work.cloth, next))
+    return work.fail(StepStatus::EulerianStepTooLong, "integrate",
+                     "an EOL vertex would cross more than 0.3 of a triangle");
+  work.report.released += track_features(next, obstacles, work.time + work.h, settings.threshold);
+  remember(work.rows, work.solution);
+  work.cloth = std::move(next);
+  work.report.times.integrate = work.watch.lap();
+  return true;
+}
+
+StepResult SheetStepper::step(const Cloth& cloth, std::span<const Obstacle> obstacles, double time, double h) {
+  require(h > 0, "SheetStepper::step: expected h > 0");
+  require(cloth.mesh.is_compact(), "SheetStepper::step: expected a compact mesh");
+  Work work{.time = time, .h = h, .posed = pose_all(obstacles, time, h), .cloth = cloth};
+  impl_->detect(work);
+  impl_->remesh(work);
+  const bool done =
+      impl_->assemble(work) && (impl_->constrain(work), impl_->solve(work)) && impl_->integrate(work, obstacles);
+  return {done ? std::move(work.cloth) : cloth, std::move(work.report)};
+}
+
+}  // namespace crease

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <memory>
+
+#include "crease/base/require.hpp"
+#include "crease/stepper/step.hpp"
+
+namespace crease {
+namespace {
+
+/// Conformal vertices nearer to each other than this share of the cloth's length are merged.  [WEIDNER18, Sec. 6.1]
+constexpr double merge_share_of_length = 0.01;
+/// ... but never more than this share of the shortest edge wanted, else every fine triangle would be merged away.
+constexpr double merge_share_of_size = 0.5;
+
+double material_length(const Cloth& cloth) {
+  Vec2 low = cloth.mesh.X.front(), high = low;
+  for (const Vec2& X : cloth.mesh.X) low = low.cwiseMin(X), high = high.cwiseMax(X);
+  return (high - low).maxCoeff();
+}
+
+/// Two passes as one: the second starts from the first one's result.
+RemeshResult chain_passes(RemeshResult first, RemeshResult second) {
+  if (!second.report.changed) {
+    first.report.smallest_angle = second.report.smallest_angle;
+    first.report.refusals.insert(first.report.refusals.end(), second.report.refusals.begin(),
+                                 second.report.refusals.end());
+    return first;
+  }
+  RemeshReport& a = first.report;
+  RemeshReport& b = second.report;
+  if (a.changed) {
+    for (int& v : a.vertex_map) v = v == Mesh::none ? Mesh::none : b.vertex_map[v];
+    b.vertex_map = std::move(a.vertex_map);
+    for (Refusal& r : a.refusals) r.vertex = r.vertex == Mesh::none ? Mesh::none : b.vertex_map[r.vertex];
+  }
+  b.inserted += a.inserted;
+  b.released += a.released;
+  b.splits += a.splits;
+  b.flips += a.flips;
+  b.collapses += a.collapses;
+  b.momentum_change += a.momentum_change;
+  b.refusals.insert(b.refusals.begin(), a.refusals.begin(), a.refusals.end());
+  return second;
+}
+
+}  // namespace
+
+Stages make_stages(const Scene& scene, const ClothSpec& spec) {
+  Stages stages;
+  if (!scene.obstacles.empty()) {
+    auto detector = std::make_shared<Detector>();
+    stages.detect = [detector, threshold = scene.threshold](const Cloth& cloth,
+                                                            std::span<const PosedObstacle> obstacles, double h) {
+      return detector->detect(cloth, obstacles, {threshold, h});
+    };
+  }
+  if (spec.remeshing == RemeshMethod::Adaptive)
+    stages.remesh = [options = spec.adapt](const Cloth& cloth, std::span<const Contact>,
+                                           std::span<const PosedObstacle>) { return adapt(cloth, options); };
+  if (spec.remeshing == RemeshMethod::Conformal)
+    stages.remesh = [options = spec.adapt, snap = scene.threshold](const Cloth& cloth,
+                                                                   std::span<const Contact> contacts,
+                                                                   std::span<const PosedObstacle> obstacles) {
+      ConformOptions conform_options;
+      conform_options.snap = snap;
+      conform_options.merge =
+          std::min(merge_share_of_length * material_length(cloth), merge_share_of_size * options.size[0]);
+      RemeshResult conformed = conform(cloth, contacts, obstacles, conform_options);
+      RemeshResult adapted = adapt(conformed.cloth, options);
+      return chain_passes(std::move(conformed), std::move(adapted));
+    };
+  auto solver = std::shared_ptr<QpSolver>(make_qp_solver(scene.qp));
+  stages.solve = [solver, tolerance = scene.tolerance](const QpProblem& problem, std::span<const char> guess) {
+    QpOptions options;
+    options.tolerance = tolerance;
+    return solver->solve(problem, options, guess);
+  };
+  return stages;
+}
+
+}  // namespace crease
