@@ -1,1 +1,155 @@
 // SPDX-License-Identifier: MIT
+#include "crease/constraints/rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "crease/base/require.hpp"
+#include "crease/geometry/chain.hpp"
+#include "feature_cone.hpp"
+#include "row_list.hpp"
+
+namespace crease {
+namespace {
+
+// Share below which a vertex takes no part in a contact: the round-off of barycentric coordinates. Leaving it out keeps
+// the row local to fewer vertices, which is what a solver is quick with.
+constexpr double smallest_weight = 1e-12;
+
+// Collects the rows of one call; members in the order in which they are made.
+struct Builder {
+  const Cloth& cloth;
+  const DofMap& dofs;
+  std::span<const PosedObstacle> obstacles;
+  const ConstraintOptions& options;
+
+  FreeDirections free{cloth.mesh.vertex_slots()};
+  std::vector<Row> eq = {}, in = {};
+  std::vector<ConstraintRows::Regularisation> regularisation = {};
+
+  void add_pin(int vertex, std::span<const PinState> pins);
+  void add_eol_world(int vertex);
+  void add_eol_material(int vertex);
+  void add_contact(const Contact& contact);
+  void add_inequality(const RowInfo& info, std::span<const Term> terms, double bound);
+  ConstraintRows finish();
+};
+
+void Builder::add_pin(int vertex, std::span<const PinState> pins) {
+  const Term term{vertex, 1.0};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto holds = [&](const PinState& pin) {
+      return !pin.released && pin.axes[axis] && (cloth.pins[vertex] >> pin.index & 1u) != 0;
+    };
+    const auto pin = std::find_if(pins.begin(), pins.end(), holds);
+    if (pin == pins.end()) continue;
+    const RowInfo info{.kind = RowKind::Pin, .vertex = vertex, .feature = {}, .slot = axis, .normal = Vec3::Unit(axis)};
+    eq.push_back(world_row(info, {&term, 1}, pin->velocity[axis], dofs));
+    free.fix_axis(vertex, axis);
+  }
+}
+
+// Lagrangian part of Algorithm 2. The gap is round-off when the vertex stands on its feature; its row then says
+// n_k . xdot >= n_k . v_obstacle, and otherwise leads the vertex back.
+void Builder::add_eol_world(int vertex) {
+  const FeatureId& feature = cloth.feature[vertex];
+  const FeatureCone cone = feature_cone(feature, obstacles);
+  const Vec3& x = cloth.mesh.x[vertex];
+  const Vec3 velocity = obstacles[feature.obstacle].pose.velocity_at(x);
+  const Term term{vertex, 1.0};
+  const auto info = [&](RowKind kind, std::size_t slot, const Vec3& direction) {
+    return RowInfo{kind, vertex, feature, static_cast<int>(slot), direction};
+  };
+
+  if (!cone.holds.empty() && free.untouched(vertex)) {  // a pin wins: with both, the equalities could contradict
+    for (std::size_t k = 0; k < cone.holds.size(); ++k) {
+      const double offset = cone.holds[k].dot(x - cone.point);
+      const double back = std::copysign(gap_velocity(-std::abs(offset), options), -offset);
+      eq.push_back(
+          world_row(info(RowKind::EolHold, k, cone.holds[k]), {&term, 1}, cone.holds[k].dot(velocity) + back, dofs));
+    }
+    free.fix_all_but(vertex, cone.open);
+  }
+  for (std::size_t k = 0; k < cone.normals.size(); ++k) {
+    const Vec3& normal = cone.normals[k];
+    const double carried = normal.dot(velocity);
+    const double gap = normal.dot(x - cone.point);
+    add_inequality(info(RowKind::EolNormal, k, normal), {&term, 1}, carried + gap_velocity(gap, options));
+    regularisation.push_back({vertex, normal, carried, options.regularisation});
+  }
+}
+
+// Eulerian part of Algorithm 2.
+void Builder::add_eol_material(int vertex) {
+  const RowKind kind = cloth.mesh.is_border_vertex(vertex) ? RowKind::EolBorder : RowKind::EolTangent;
+  int slot = 0;
+  for (const Vec2& direction : eulerian_rows(cloth, vertex, obstacles)) {
+    const RowInfo info{.kind = kind, .vertex = vertex, .feature = cloth.feature[vertex], .slot = slot++};
+    eq.push_back(material_row(info, direction, dofs));
+  }
+}
+
+// The point of the cloth that touches now moves with sum w_i xdot_i, also where a vertex is EOL and material flows
+// through that point: it is the surface, not the material, that x + h xdot must keep outside.
+void Builder::add_contact(const Contact& contact) {
+  std::array<Term, 3> terms;
+  std::size_t n = 0;
+  for (int i = 0; i < contact.n_vertices; ++i) {
+    const int vertex = contact.vertices[i];
+    require(vertex >= 0 && vertex < cloth.mesh.vertex_slots(), "build_constraints: expected contacts on this cloth");
+    if (std::abs(contact.weights[i]) > smallest_weight) terms[n++] = {vertex, contact.weights[i]};
+  }
+  require(n > 0, "build_constraints: expected a contact with at least one weight");
+  FeatureId feature = contact.feature;
+  feature.obstacle = contact.obstacle;  // also for a face, which is no feature
+  const RowInfo info{.kind = RowKind::Contact, .vertex = terms[0].vertex, .feature = feature, .normal = contact.normal};
+  add_inequality(info, {terms.data(), n},
+                 contact.normal.dot(contact.velocity) + gap_velocity(contact.distance, options));
+}
+
+void Builder::add_inequality(const RowInfo& info, std::span<const Term> terms, double bound) {
+  if (free.leaves_free(info.normal, terms)) in.push_back(world_row(info, terms, bound, dofs));
+}
+
+ConstraintRows Builder::finish() {
+  ConstraintRows rows;
+  const auto fill = [&](std::vector<Row>& from, SparseRows& A, VecX& b, std::vector<RowInfo>& info) {
+    sort_rows(from);
+    A = make_matrix(from, dofs.size());
+    b = make_bounds(from);
+    for (const Row& row : from) info.push_back(row.info);
+    require(b.allFinite() && Eigen::Map<const VecX>(A.valuePtr(), A.nonZeros()).allFinite(),
+            "build_constraints: expected finite positions, velocities, poses and contacts");
+  };
+  fill(eq, rows.A_eq, rows.b_eq, rows.eq);
+  fill(in, rows.A_in, rows.b_in, rows.in);
+  rows.regularisation = std::move(regularisation);
+  return rows;
+}
+
+}  // namespace
+
+ConstraintRows build_constraints(const Cloth& cloth, const DofMap& dofs, std::span<const Contact> contacts,
+                                 std::span<const PosedObstacle> obstacles, std::span<const PinState> pins,
+                                 const ConstraintOptions& options) {
+  const int n = cloth.mesh.vertex_slots();
+  require(options.h > 0 && options.threshold >= 0 && options.regularisation >= 0,
+          "build_constraints: expected h > 0, threshold >= 0 and regularisation >= 0");
+  require(static_cast<int>(dofs.start.size()) == n + 1, "build_constraints: expected the dof map of this cloth");
+  for (const PinState& pin : pins) {
+    require(pin.index >= 0 && pin.index < 64, "build_constraints: expected pin indices in [0, 64)");
+  }
+
+  Builder builder{cloth, dofs, obstacles, options};
+  for (int vertex = 0; vertex < n; ++vertex) {
+    require(dofs.is_eol(vertex) == cloth.is_eol(vertex), "build_constraints: expected the dof map of this cloth");
+    if (cloth.pins[vertex] != 0) builder.add_pin(vertex, pins);
+    if (!cloth.is_eol(vertex)) continue;
+    builder.add_eol_world(vertex);
+    builder.add_eol_material(vertex);
+  }
+  for (const Contact& contact : contacts) builder.add_contact(contact);
+  return builder.finish();
+}
+
+}  // namespace crease
