@@ -1,1 +1,75 @@
 // SPDX-License-Identifier: MIT
+#include "crease/geometry/chain.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "crease/base/require.hpp"
+#include "crease/geometry/triangle.hpp"
+
+namespace crease {
+namespace {
+
+/// World tangent of the obstacle edge that a vertex rides on, a -> b.
+Vec3 edge_tangent(const FeatureId& feature, std::span<const PosedObstacle> obstacles) {
+  const PosedObstacle& posed = obstacles[static_cast<std::size_t>(feature.obstacle)];
+  const SharpEdge& edge = posed.shape->edges[static_cast<std::size_t>(feature.index)];
+  return posed.pose.rotation * (edge.b - edge.a).normalized();
+}
+
+/// Material direction whose image under F is nearest to the world direction d.
+Vec2 pull_back(const Mat32& F, const Vec3& d) {
+  const Mat2 C = F.transpose() * F;
+  const Vec2 right = F.transpose() * d;
+  const Mat2 adjugate = (Mat2() << C(1, 1), -C(0, 1), -C(1, 0), C(0, 0)).finished();
+  // The determinant scales the length only, so a world-degenerate F costs nothing until the direction itself is lost.
+  const Vec2 t = adjugate * right;
+  if (t.norm() > 0) return t.normalized();
+  return right.norm() > 0 ? Vec2(right.normalized()) : Vec2(1, 0);
+}
+
+}  // namespace
+
+std::vector<int> chain_edges(const Cloth& cloth, int vertex, int tag) {
+  std::vector<int> edges;
+  for (const int i : cloth.mesh.neighbours(vertex)) {
+    const int h = cloth.mesh.find_edge(vertex, i);
+    if (cloth.mesh.tag(h) == tag) edges.push_back(h);
+  }
+  return edges;
+}
+
+Vec2 chain_tangent(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles) {
+  const FeatureId& feature = cloth.feature[vertex];
+  require(feature.kind == FeatureKind::Edge, "chain_tangent: expected a vertex that is EOL on an edge");
+  const Mesh& mesh = cloth.mesh;
+  const Vec3 along = edge_tangent(feature, obstacles);
+  Vec2 sum = Vec2::Zero();
+  for (const int h : chain_edges(cloth, vertex, edge_tag(feature.obstacle, feature.index))) {
+    const Vec2 direction = (mesh.X[mesh.to(h)] - mesh.X[mesh.from(h)]).normalized();
+    sum += (mesh.x[mesh.to(h)] - mesh.x[mesh.from(h)]).dot(along) < 0 ? Vec2(-direction) : direction;
+  }
+  // Two directions that nearly cancel (a hairpin in material space) say nothing; the deformation still does.
+  constexpr double cancelled = 1e-6;
+  if (sum.norm() > cancelled) return sum.normalized();
+  return pull_back(vertex_deformation_gradient(mesh, vertex), along);
+}
+
+Vec2 border_normal(const Mesh& mesh, int vertex) {
+  require(mesh.is_border_vertex(vertex), "border_normal: expected a border vertex");
+  const auto around = mesh.neighbours(vertex);
+  const Vec2 in = (mesh.X[vertex] - mesh.X[around.back()]).normalized();
+  const Vec2 out = (mesh.X[around.front()] - mesh.X[vertex]).normalized();
+  const Vec2 tangent = in + out;
+  const Vec2 t = tangent.norm() > 0 ? Vec2(tangent.normalized()) : out;
+  return {t.y(), -t.x()};  // outward: the material is on the left of its border
+}
+
+std::vector<Vec2> eulerian_rows(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles) {
+  if (!cloth.is_eol(vertex)) return {};
+  if (cloth.mesh.is_border_vertex(vertex)) return {border_normal(cloth.mesh, vertex)};
+  if (cloth.feature[vertex].kind == FeatureKind::Edge) return {chain_tangent(cloth, vertex, obstacles)};
+  return {};
+}
+
+}  // namespace crease

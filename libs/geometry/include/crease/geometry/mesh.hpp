@@ -76,6 +76,8 @@ class Mesh {
   void set_tag(int h, int tag);  ///< both sides
 
   // -- operations: `can_*` first; an operation asserts it ------------------------------------------------------------
+  // A new face is accepted if its material orientation is exactly positive and it is no round-off sliver: an altitude
+  // below 1e-9 of the longest edge is what three points of a straight border leave behind after rounding.
   /// What a split made.
   struct Split {
     int vertex;                     ///< the new vertex
@@ -106,6 +108,9 @@ class Mesh {
   /// material area not above `min_area` (absolute, >= 0). Tags of merging edges are kept (a tagged one wins).
   bool can_collapse(int h, double min_area = 0.0) const;
   Collapse collapse(int h);
+  /// The same, named by its two vertices: a border edge has a half-edge in one direction only, yet either end may go.
+  bool can_collapse_vertex(int vertex, int into, double min_area = 0.0) const;
+  Collapse collapse_vertex(int vertex, int into);
 
   // -- upkeep --------------------------------------------------------------------------------------------------------
   /// Old -> new vertex and face ids (none = removed).
@@ -122,6 +127,19 @@ class Mesh {
   std::vector<Vec3> x;  ///< world positions [m]
 
  private:
+  int add_face(int a, int b, int c);
+  int add_vertex(const Vec2& material, const Vec3& world);
+  void remove_face(int f);
+  void link(int h, int g);                 // makes h and g twins; g may be none
+  void move_side(int from_h, int to_h);    // hands twin and tag of one half-edge over to another
+  void anchor(int h);                      // makes h, or the first half-edge clockwise of it, halfedge(from(h))
+  void require_face(int f) const;
+  void connect();                          // twins and vertex_halfedge_ from faces_; throws on non-manifold input
+  bool tags_allow_collapse(int vertex, int into) const;
+  bool links_allow_collapse(int vertex, int into) const;
+  std::optional<std::string> face_trouble(int f) const;
+  std::optional<std::string> vertex_trouble(int v, int n_incident) const;
+
   std::vector<std::array<int, 3>> faces_;
   std::vector<int> twin_, tag_;          // one entry a half-edge
   std::vector<int> vertex_halfedge_;
