@@ -19,9 +19,9 @@ struct DynamicsOptions {
 ///   H   = M + (h^2 + h damping) K,   K = -df/dq mapped by J^T (.) J with each element's own F (Eq. 10), PSD
 ///   rhs = M qdot_k + h (f - C),      f = (f, -F^T f) (Eq. 9) + the exact membrane term -psi A g_i on X
 struct AssembledSystem {
-  SparseMatrix H;   ///< both triangles stored; pattern fixed while the topology and the EOL set stay
+  SparseMatrix H;  ///< both triangles stored; pattern fixed while the topology and the EOL set stay
   VecX rhs;
-  VecX force;       ///< f - C, generalised [N]
+  VecX force;  ///< f - C, generalised [N]
   double kinetic_energy = 0, membrane_energy = 0, bending_energy = 0, gravitational_energy = 0;  ///< at q_k, [J]
   Vec3 momentum = Vec3::Zero();          ///< linear, of the world velocity field [kg m/s]
   Vec3 angular_momentum = Vec3::Zero();  ///< about the origin [kg m^2/s]

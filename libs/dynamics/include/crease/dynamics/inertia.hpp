@@ -27,10 +27,12 @@ Mat15 eol_inertia(const std::array<Vec2, 3>& X, const std::array<Vec3, 3>& x, do
 ///   div = sum_j g_j . Xdot_j, Fdot = (Dxdot - F DXdot) DX^-1
 ///   C_i^L = div p_i - rho A/12 Fdot (Xdot_i + sum_j Xdot_j) + sum_j (g_i . Xdot_j) p_j
 ///   C_i^E = -F^T C_i^L - Fdot^T p_i - T g_i
-/// Zero when all Xdot are zero. Power identity: qdot . C = 1/2 qdot^T Mdot qdot.
+/// When all Xdot are zero, C^L is zero on each triangle and C^E in the sum over the triangles at an interior vertex.
+/// Power identity: qdot . C = 1/2 qdot^T Mdot qdot.
 Vec15 eol_velocity_terms(const TriangleState& state, double density);
 
 /// J (3x15) at barycentric coordinates alpha, Eq. 4.
-Eigen::Matrix<double, 3, 15> eol_jacobian(const std::array<Vec2, 3>& X, const std::array<Vec3, 3>& x, const Vec3& alpha);
+Eigen::Matrix<double, 3, 15> eol_jacobian(const std::array<Vec2, 3>& X, const std::array<Vec3, 3>& x,
+                                          const Vec3& alpha);
 
 }  // namespace crease

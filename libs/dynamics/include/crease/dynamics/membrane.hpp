@@ -18,10 +18,10 @@ using Mat9 = Eigen::Matrix<double, 9, 9>;
 /// two out-of-plane modes) set to zero, so it is symmetric positive semidefinite yet keeps the geometric stiffness of
 /// tension.                                                                              [ETZMUSS03; SMITH19]
 struct MembraneElement {
-  double energy = 0;    ///< A psi [J]
-  double density = 0;   ///< psi [J/m^2]; the exact Eulerian force needs it: -psi A g_i
-  Vec9 force;           ///< -d energy/d x [N]
-  Mat9 stiffness;       ///< K_m, PSD [N/m]
+  double energy = 0;   ///< A psi [J]
+  double density = 0;  ///< psi [J/m^2]; the exact Eulerian force needs it: -psi A g_i
+  Vec9 force;          ///< -d energy/d x [N]
+  Mat9 stiffness;      ///< K_m, PSD [N/m]
 };
 /// @pre positive material area; world triangle may be anything, also degenerate (result stays finite)
 MembraneElement membrane_element(const std::array<Vec2, 3>& X, const std::array<Vec3, 3>& x, const Material& material);
