@@ -21,7 +21,7 @@ struct NamedCloth {
   const Cloth* cloth;
 };
 /// Writes `# time T`, `# eol i j ...` (1-based), `v`, `vt`, `f a/a b/b c/c`; one `o NAME` each with several cloths.
-/// 17 significant digits, so reading it back gives the same numbers.
+/// Each number is the shortest decimal that reads back as the same double.
 void write_obj(std::ostream& out, std::span<const NamedCloth> cloths, double time);
 
 }  // namespace crease
