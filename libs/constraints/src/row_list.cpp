@@ -44,8 +44,7 @@ Row material_row(const RowInfo& info, const Vec2& direction, const DofMap& dofs)
 }
 
 void FreeDirections::fix_axis(int vertex, int axis) {
-  free_[vertex].row(axis).setZero();
-  free_[vertex].col(axis).setZero();
+  free_[vertex](axis, axis) = 0;
 }
 
 void FreeDirections::fix_all_but(int vertex, const Vec3& direction) {

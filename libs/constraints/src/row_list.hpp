@@ -34,6 +34,7 @@ Row material_row(const RowInfo& info, const Vec2& direction, const DofMap& dofs)
 class FreeDirections {
  public:
   explicit FreeDirections(int n_vertices) : free_(n_vertices, Mat3::Identity()) {}
+  /// @pre only axes are fixed at `vertex` so far
   void fix_axis(int vertex, int axis);
   /// Only `direction` (unit) stays free.
   void fix_all_but(int vertex, const Vec3& direction);

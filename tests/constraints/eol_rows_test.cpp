@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: MIT
+// Lagrangian rows of EOL vertices: Algorithm 2 against hand counts, for edges, corners, points and wires.
+#include <gtest/gtest.h>
+
+#include "constraints/eol_sheet.hpp"
+
+namespace crease {
+namespace {
+
+using namespace crease::testing;
+
+constexpr double h = 1e-2;
+constexpr double threshold = 1e-3;  // the default of ConstraintOptions
+// Unit normals through one rotation, and sums of a handful of terms of size 1: a few ulp.
+constexpr double round_off = 1e-13;
+// A position of size 1 m is known to 1e-16 m; a gap's share of the bound is that over h = 1e-2 s, a few times.
+constexpr double gap_round_off = 1e-12;
+
+/// A sheet with one EOL vertex, on a corner of the obstacle.
+EolSheet make_corner_sheet() {
+  EolSheet sheet;
+  sheet.cloth = make_cloth(make_grid({.size = {0.4, 0.4}, .cells = {2, 2}, .pattern = GridPattern::Right}));
+  sheet.shape = make_box({0.5, 0.5, 0.5});
+  for (std::size_t c = 0; c < sheet.shape.corners.size(); ++c) {
+    if (sheet.shape.corners[c].position.isApprox(Vec3(0.25, 0.25, 0.25))) {
+      sheet.feature = {0, FeatureKind::Corner, static_cast<int>(c)};
+    }
+  }
+  sheet.pose.position = Vec3(0.2 - 0.25, 0.2 - 0.25, -0.25);
+  for (int v = 0; v < sheet.cloth.mesh.vertex_slots(); ++v) {
+    if (!sheet.cloth.mesh.is_border_vertex(v)) sheet.chain = {v};
+  }
+  sheet.cloth.feature[sheet.chain.front()] = sheet.feature;
+  return sheet;
+}
+
+EolSheet make_nail_sheet(const Vec3& normal) {
+  EolSheet sheet = make_corner_sheet();
+  sheet.shape = {};
+  sheet.shape.kind = ObstacleShape::Kind::Point;
+  sheet.shape.corners = {{Vec3::Zero(), {normal}}};
+  sheet.pose.position = {0.2, 0.2, 0};
+  sheet.feature = sheet.cloth.feature[sheet.chain.front()] = {0, FeatureKind::Corner, 0};
+  return sheet;
+}
+
+EolSheet make_wire_sheet() {
+  EolSheet sheet = make_eol_sheet();
+  sheet.shape = {};
+  sheet.shape.kind = ObstacleShape::Kind::Wire;
+  SharpEdge segment{};
+  segment.a = {0, -1, 0};
+  segment.b = {0, 1, 0};
+  segment.normals.fill(Vec3::Zero());
+  segment.free_cone = true;
+  sheet.shape.edges = {segment};
+  sheet.pose.position = {0.5 * sheet_length, 0, 0};
+  sheet.feature = {0, FeatureKind::Edge, 0};
+  Mesh& mesh = sheet.cloth.mesh;
+  for (const int v : sheet.chain) sheet.cloth.feature[v] = sheet.feature;
+  for (std::size_t i = 1; i < sheet.chain.size(); ++i) {
+    mesh.set_tag(mesh.find_edge(sheet.chain[i - 1], sheet.chain[i]), edge_tag(0, 0));
+  }
+  return sheet;
+}
+
+TEST(EolRows, EmptyInputHasTheRightShapes) {
+  const Cloth cloth = make_cloth(make_grid({.cells = {2, 2}}));
+  const DofMap dofs = make_dof_map(cloth);
+  ConstraintOptions options;
+  options.h = h;
+  const ConstraintRows rows = build_constraints(cloth, dofs, {}, {}, {}, options);
+  for (const SparseRows& A : {rows.A_eq, rows.A_in}) {
+    EXPECT_EQ(A.rows(), 0);
+    EXPECT_EQ(A.cols(), dofs.size());
+  }
+  EXPECT_EQ(rows.b_eq.size() + rows.b_in.size(), 0);
+  EXPECT_TRUE(rows.eq.empty() && rows.in.empty() && rows.regularisation.empty());
+}
+
+TEST(EolRows, EdgeVertexHasTwoInequalitiesAndOneEquality) {
+  const EolSheet sheet = make_eol_sheet(0.5);
+  const ConstraintRows rows = sheet.rows();
+  const std::size_t n = sheet.chain.size();
+  ASSERT_EQ(n, 5u);
+  EXPECT_EQ(rows.in.size(), 2 * n);
+  EXPECT_EQ(rows.eq.size(), n);
+  EXPECT_EQ(rows_of(rows.eq, RowKind::EolBorder).size(), 2u);
+  EXPECT_EQ(rows_of(rows.eq, RowKind::EolTangent).size(), n - 2);
+  EXPECT_EQ(rows.regularisation.size(), 2 * n);
+  EXPECT_EQ(rows.A_in.rows(), rows.b_in.size());
+  EXPECT_EQ(rows.A_eq.rows(), rows.b_eq.size());
+  EXPECT_TRUE(rows.b_in.cwiseAbs().maxCoeff() < gap_round_off) << "at rest on the feature";
+}
+
+TEST(EolRows, NormalsTurnWithTheScene) {
+  std::mt19937_64 rng(7);
+  SCOPED_TRACE("seed 7");
+  for (int trial = 0; trial < 20; ++trial) {
+    EolSheet sheet = make_eol_sheet(0.3);
+    place(sheet, random_rotation(rng), random_vector(rng, 1.0));
+    const ConstraintRows rows = sheet.rows();
+    const DofMap dofs = make_dof_map(sheet.cloth);
+    for (const int v : sheet.chain) {
+      const std::vector<int> normals = rows_of(rows.in, RowKind::EolNormal, v);
+      ASSERT_EQ(normals.size(), 2u);
+      const Vec3 n0 = world_part(rows.A_in, normals[0], dofs, v), n1 = world_part(rows.A_in, normals[1], dofs, v);
+      const bool in_order = n0.dot(sheet.up) > n1.dot(sheet.up);
+      EXPECT_LT(((in_order ? n0 : n1) - sheet.up).norm(), round_off);
+      EXPECT_LT(((in_order ? n1 : n0) - sheet.side).norm(), round_off);
+      EXPECT_EQ(rows.in[normals[0]].normal, n0);
+      EXPECT_EQ(material_part(rows.A_in, normals[0], dofs, v), Vec2(0, 0));
+    }
+    EXPECT_LT(rows.b_in.cwiseAbs().maxCoeff(), 5 * gap_round_off);
+  }
+}
+
+// Every axis-aligned edge of a box in turn: a frame made from fixed components would vanish for some.
+TEST(EolRows, AllTwelveBoxEdgesGiveTheirOwnNormals) {
+  EolSheet sheet = make_eol_sheet(0.3);
+  const int v = sheet.chain[2];
+  const Vec3 x = sheet.cloth.mesh.x[v];
+  for (std::size_t e = 0; e < sheet.shape.edges.size(); ++e) {
+    const SharpEdge& edge = sheet.shape.edges[e];
+    sheet.feature.index = static_cast<int>(e);
+    for (const int i : sheet.chain) sheet.cloth.feature[i] = sheet.feature;
+    sheet.pose.position = x - 0.5 * (edge.a + edge.b);
+    const ConstraintRows rows = sheet.rows();
+    for (const int r : rows_of(rows.in, RowKind::EolNormal, v)) {
+      EXPECT_EQ(rows.in[r].normal, edge.normals[rows.in[r].slot]);
+      EXPECT_NEAR(rows.b_in[r], 0, gap_round_off);
+    }
+  }
+}
+
+TEST(EolRows, BoundIsTheObstaclesVelocityAtTheVertex) {
+  std::mt19937_64 rng(3);
+  SCOPED_TRACE("seed 3");
+  EolSheet sheet = make_eol_sheet(0.3);
+  sheet.pose.velocity = random_vector(rng, 1.0);
+  sheet.pose.angular_velocity = random_vector(rng, 2.0);
+  place(sheet, random_rotation(rng), random_vector(rng, 1.0));
+  const ConstraintRows rows = sheet.rows();
+  for (std::size_t r = 0; r < rows.in.size(); ++r) {
+    const Vec3 arm = sheet.cloth.mesh.x[rows.in[r].vertex] - sheet.pose.position;
+    const Vec3 velocity = sheet.pose.velocity + sheet.pose.angular_velocity.cross(arm);
+    EXPECT_NEAR(rows.b_in[static_cast<int>(r)], rows.in[r].normal.dot(velocity), 5 * gap_round_off);
+  }
+  for (const auto& term : rows.regularisation) {
+    EXPECT_NEAR(term.value, term.direction.dot(sheet.pose.velocity_at(sheet.cloth.mesh.x[term.vertex])), round_off);
+    EXPECT_DOUBLE_EQ(term.scale, 1e-6);
+  }
+}
+
+// A gap may close within the step, and not more; a penetration is pushed out, by at most half the threshold a step.
+TEST(EolRows, GapEntersSignedAndBounded) {
+  for (const double gap : {2e-3, 1e-5, -1e-5, -4e-4, -6e-4, -0.3}) {
+    EolSheet sheet = make_eol_sheet(0.3);
+    const int v = sheet.chain[2];
+    sheet.cloth.mesh.x[v] += gap * sheet.up;
+    const ConstraintRows rows = sheet.rows();
+    for (const int r : rows_of(rows.in, RowKind::EolNormal, v)) {
+      const bool is_up = rows.in[r].normal.dot(sheet.up) > 0.5;
+      const double expected = is_up ? std::min(-gap, 0.5 * threshold) / h : 0.0;
+      EXPECT_NEAR(rows.b_in[r], expected, gap_round_off) << "gap " << gap;
+    }
+  }
+}
+
+TEST(EolRows, CornerHasItsOwnThreeNormalsAndNoEulerianRow) {
+  std::mt19937_64 rng(5);
+  SCOPED_TRACE("seed 5");
+  for (int trial = 0; trial < 10; ++trial) {
+    EolSheet sheet = make_corner_sheet();
+    const Mat3 Q = trial == 0 ? Mat3::Identity() : random_rotation(rng);
+    place(sheet, Q, Vec3(1, 2, 3));
+    const ConstraintRows rows = sheet.rows();
+    ASSERT_EQ(rows.in.size(), 3u);
+    EXPECT_TRUE(rows.eq.empty());
+    EXPECT_EQ(rows.regularisation.size(), 3u);
+    Mat3 normals;
+    for (int r = 0; r < 3; ++r) normals.col(r) = Q.transpose() * rows.in[r].normal;
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_LT((normals.transpose() * Vec3::Unit(axis)).maxCoeff() - 1, round_off);
+      EXPECT_NEAR(normals.row(axis).maxCoeff(), 1, round_off) << "outward along +" << axis;
+      EXPECT_NEAR(normals.row(axis).cwiseAbs().sum(), 1, round_off);
+    }
+  }
+}
+
+TEST(EolRows, CornerVertexOnTheBorderKeepsTheBorderRule) {
+  EolSheet sheet = make_eol_sheet();
+  EolSheet corner = make_corner_sheet();
+  sheet.shape = corner.shape;
+  for (const int v : sheet.chain) sheet.cloth.feature[v] = {};
+  const int v = sheet.chain.front();
+  sheet.cloth.feature[v] = corner.feature;
+  sheet.pose.position = sheet.cloth.mesh.x[v] - corner.shape.corners[corner.feature.index].position;
+  Mesh& mesh = sheet.cloth.mesh;
+  for (const int edge : mesh.edges()) mesh.set_tag(edge, 0);
+  const ConstraintRows rows = sheet.rows();
+  EXPECT_EQ(rows.in.size(), 3u);
+  ASSERT_EQ(rows.eq.size(), 1u);
+  EXPECT_EQ(rows.eq[0].kind, RowKind::EolBorder);
+}
+
+// A nail: one inequality along its normal and two equalities across, whatever the normal.
+TEST(EolRows, PointHoldsTheVertexOnItsTip) {
+  std::mt19937_64 rng(11);
+  SCOPED_TRACE("seed 11");
+  for (int trial = 0; trial < 12; ++trial) {
+    const Vec3 normal =
+        trial < 6 ? Vec3(Vec3::Unit(trial / 2) * (trial % 2 ? -1 : 1)) : Vec3(random_rotation(rng) * Vec3::UnitZ());
+    EolSheet sheet = make_nail_sheet(normal);
+    sheet.pose.velocity = random_vector(rng, 1.0);
+    const ConstraintRows rows = sheet.rows();
+    ASSERT_EQ(rows.in.size(), 1u);
+    ASSERT_EQ(rows.eq.size(), 2u);
+    EXPECT_EQ(rows.in[0].kind, RowKind::EolNormal);
+    EXPECT_LT((rows.in[0].normal - normal).norm(), round_off);
+    EXPECT_NEAR(rows.b_in[0], normal.dot(sheet.pose.velocity), gap_round_off);
+    Mat3 frame;
+    frame << normal, rows.eq[0].normal, rows.eq[1].normal;
+    EXPECT_LT((frame.transpose() * frame - Mat3::Identity()).norm(), round_off);
+    for (int r = 0; r < 2; ++r) {
+      EXPECT_EQ(rows.eq[r].kind, RowKind::EolHold);
+      EXPECT_NEAR(rows.b_eq[r], rows.eq[r].normal.dot(sheet.pose.velocity), gap_round_off);
+    }
+  }
+}
+
+// Position drift across a nail is taken back, at most half the threshold a step, towards the tip from either side.
+TEST(EolRows, HoldTakesDriftBackBounded) {
+  for (const double drift : {1e-5, -1e-5, 0.2, -0.2}) {
+    EolSheet sheet = make_nail_sheet(Vec3::UnitZ());
+    const Vec3 aside(drift, -drift, 0);
+    sheet.cloth.mesh.x[sheet.chain.front()] += aside;
+    const ConstraintRows rows = sheet.rows();
+    ASSERT_EQ(rows.eq.size(), 2u);
+    for (int r = 0; r < 2; ++r) {
+      const double offset = rows.eq[r].normal.dot(aside);
+      const double back = std::copysign(std::min(std::abs(offset), 0.5 * threshold) / h, -offset);
+      EXPECT_NEAR(rows.b_eq[r], back, gap_round_off);
+    }
+  }
+}
+
+// What the equalities decide, an inequality can only contradict: a contact across a nail is dropped, one along it
+// stays.
+TEST(EolRows, HoldWinsOverContactsAcross) {
+  std::mt19937_64 rng(23);
+  SCOPED_TRACE("seed 23");
+  for (int trial = 0; trial < 8; ++trial) {
+    EolSheet sheet = make_nail_sheet(Vec3::UnitZ());
+    const Mat3 Q = random_rotation(rng);
+    place(sheet, Q, Vec3(0.1, 0.2, 0.3));
+    Contact contact;
+    contact.obstacle = 0;
+    contact.n_vertices = 1;
+    contact.vertices = {sheet.chain.front(), -1, -1};
+    contact.weights = {1, 0, 0};
+    contact.normal = Q * Vec3(0.6, -0.8, 0);
+    EXPECT_TRUE(rows_of(sheet.rows({contact}).in, RowKind::Contact).empty());
+    contact.normal = Q * Vec3(0, 0.6, 0.8);
+    EXPECT_EQ(rows_of(sheet.rows({contact}).in, RowKind::Contact).size(), 1u);
+  }
+}
+
+// Held by a pin and by a nail at once, the equalities could contradict each other: the pin alone holds.
+TEST(EolRows, PinWinsOverHold) {
+  EolSheet sheet = make_nail_sheet(Vec3(0.6, 0, 0.8));
+  sheet.cloth.pins[sheet.chain.front()] = 1;
+  PinState pin;
+  pin.axes = {false, false, true};
+  const ConstraintRows rows = sheet.rows({}, {pin});
+  ASSERT_EQ(rows.eq.size(), 1u);
+  EXPECT_EQ(rows.eq[0].kind, RowKind::Pin);
+}
+
+TEST(EolRows, WireHoldsAcrossAndLeavesTheTangentFree) {
+  std::mt19937_64 rng(13);
+  SCOPED_TRACE("seed 13");
+  for (int trial = 0; trial < 8; ++trial) {
+    EolSheet sheet = make_wire_sheet();
+    sheet.pose.velocity = {0.1, 0.2, 0.3};
+    place(sheet, trial == 0 ? Mat3::Identity() : random_rotation(rng), Vec3::Zero());
+    const ConstraintRows rows = sheet.rows();
+    EXPECT_TRUE(rows.in.empty() && rows.regularisation.empty());
+    for (const int v : sheet.chain) {
+      const std::vector<int> holds = rows_of(rows.eq, RowKind::EolHold, v);
+      ASSERT_EQ(holds.size(), 2u);
+      for (const int r : holds) {
+        EXPECT_NEAR(rows.eq[r].normal.dot(sheet.along), 0, round_off);
+        EXPECT_NEAR(rows.b_eq[r], rows.eq[r].normal.dot(sheet.pose.velocity), 5 * gap_round_off);
+      }
+      EXPECT_NEAR(rows.eq[holds[0]].normal.dot(rows.eq[holds[1]].normal), 0, round_off);
+      EXPECT_EQ(rows_of(rows.eq, RowKind::EolTangent, v).size() + rows_of(rows.eq, RowKind::EolBorder, v).size(), 1u);
+    }
+  }
+}
+
+TEST(EolRows, RowsAreOrderedByVertexThenKind) {
+  EolSheet sheet = make_wire_sheet();
+  for (std::uint64_t& pins : sheet.cloth.pins) pins = 0;
+  sheet.cloth.pins[0] = 1;
+  const ConstraintRows rows = sheet.rows({}, {PinState{}});
+  for (std::size_t r = 1; r < rows.eq.size(); ++r) {
+    EXPECT_LE(std::tuple(rows.eq[r - 1].vertex, rows.eq[r - 1].kind), std::tuple(rows.eq[r].vertex, rows.eq[r].kind));
+  }
+}
+
+TEST(EolRows, RefusesABrokenFeatureAndNumbersThatAreNotFinite) {
+  EolSheet sheet = make_eol_sheet();
+  EXPECT_THROW((void)sheet.rows({}, {}, 0.0), std::invalid_argument);
+  EolSheet lost = make_eol_sheet();
+  for (const int v : lost.chain) lost.cloth.feature[v].obstacle = 3;
+  EXPECT_THROW((void)lost.rows(), std::invalid_argument);
+  sheet.pose.velocity.x() = std::nan("");
+  EXPECT_THROW((void)sheet.rows(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace crease

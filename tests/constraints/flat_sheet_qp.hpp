@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "constraints/eol_sheet.hpp"
+#include "crease/geometry/triangle.hpp"
+
+namespace crease::testing {
+
+/// Inertia of the whole sheet by Eq. 8, element by element, dense.
+inline MatX make_inertia(const Cloth& cloth, const DofMap& dofs, double density = 0.05) {
+  MatX M = MatX::Zero(dofs.size(), dofs.size());
+  const Mesh& mesh = cloth.mesh;
+  for (int f = 0; f < mesh.n_faces(); ++f) {
+    const Mat32 F = deformation_gradient(mesh, f);
+    const double m = density * mesh.material_area(f) / 12;
+    const auto block = [&](int v) {
+      MatX B = MatX::Zero(3, dofs.is_eol(v) ? 5 : 3);
+      B.leftCols(3).setIdentity();
+      if (dofs.is_eol(v)) B.rightCols(2) = -F;
+      return B;
+    };
+    for (const int i : mesh.face(f)) {
+      for (const int j : mesh.face(f)) {
+        const MatX Bi = block(i), Bj = block(j);
+        M.block(dofs.start[i], dofs.start[j], Bi.cols(), Bj.cols()) += (i == j ? 2 : 1) * m * Bi.transpose() * Bj;
+      }
+    }
+  }
+  return M;
+}
+
+/// Adds the regularisation, `scale` relative to the mean diagonal of H at the vertex, as its definition says.
+inline void add_regularisation(const ConstraintRows& rows, const DofMap& dofs, MatX& H, VecX& f) {
+  const VecX diagonal = H.diagonal();
+  for (const auto& term : rows.regularisation) {
+    const int at = dofs.x(term.vertex);
+    const double weight = term.scale * diagonal.segment<3>(at).mean();
+    H.block<3, 3>(at, at) += weight * term.direction * term.direction.transpose();
+    f.segment<3>(at) += weight * term.value * term.direction;
+  }
+}
+
+/// Orthonormal basis of the motions that the equalities allow.
+inline MatX nullspace(const SparseRows& A) {
+  const Eigen::BDCSVD<MatX> svd(MatX(A), Eigen::ComputeFullV);
+  return svd.matrixV().rightCols(A.cols() - svd.rank());
+}
+
+/// minimise 1/2 q^T H q - f^T q  s.t.  all equalities, and the inequalities for which `active` holds as equalities.
+template <class Active>
+VecX minimise(const ConstraintRows& rows, const MatX& H, const VecX& f, Active active) {
+  std::vector<int> held;
+  for (std::size_t r = 0; r < rows.in.size(); ++r) {
+    if (active(rows.in[r])) held.push_back(static_cast<int>(r));
+  }
+  const int n = static_cast<int>(H.rows()), m_eq = static_cast<int>(rows.eq.size());
+  const int m = m_eq + static_cast<int>(held.size());
+  MatX A(m, n);
+  VecX b(m);
+  A.topRows(m_eq) = MatX(rows.A_eq);
+  b.head(m_eq) = rows.b_eq;
+  for (int r = m_eq; r < m; ++r) {
+    A.row(r) = MatX(rows.A_in.row(held[r - m_eq]));
+    b[r] = rows.b_in[held[r - m_eq]];
+  }
+  // Range and null space of A: exact also where rows repeat.
+  const Eigen::CompleteOrthogonalDecomposition<MatX> cod(A);
+  const VecX particular = cod.solve(b);
+  const Eigen::BDCSVD<MatX> svd(A, Eigen::ComputeFullV);
+  const MatX Z = svd.matrixV().rightCols(n - svd.rank());
+  return particular + Z * (Z.transpose() * H * Z).ldlt().solve(Z.transpose() * (f - H * particular));
+}
+
+}  // namespace crease::testing
