@@ -13,26 +13,47 @@ namespace crease {
 
 struct RunOptions {
   std::filesystem::path directory;
-  std::optional<double> until;       ///< stop early [s]
-  bool force = false;                ///< write into a directory that is not empty
-  bool resume = false;               ///< continue from the last checkpoint
-  std::string command_line;          ///< recorded in summary.json
+  std::optional<double> until;  ///< stop after the first step that ends at or after it [s]
+  bool force = false;           ///< write into a directory that is not empty; an earlier run's files go
+  bool resume = false;          ///< continue from the last checkpoint
+  std::string command_line;     ///< recorded in summary.json
+  /// Makes the stages of each sheet: assign another function to run with a stage of your own.
+  std::function<Stages(const Scene&, const ClothSpec&)> stages = make_stages;
 };
 
 struct RunProgress {
-  double time, duration, wall;       ///< [s]
+  double time, duration, wall;  ///< [s]
   int step, faces, eol_vertices, contacts, retries;
 };
 
-enum class RunStatus { Done = 0, SimulationFailed = 1, FileTrouble = 3, Interrupted = 130 };
+/// The numbers are the program's exit statuses.
+enum class RunStatus {
+  Done = 0,
+  SimulationFailed = 1,  ///< what is on disk is complete up to the last good step
+  Refused = 2,           ///< directory not empty, or nothing there to resume, or another scene's; nothing was written
+  FileTrouble = 3,
+  Interrupted = 130  ///< by `progress`; what is on disk is complete and `resume` continues
+};
 
 struct RunResult {
   RunStatus status = RunStatus::Done;
-  std::string message;               ///< step, time, stage and why, when not Done
+  std::string message;  ///< step, time, stage and why, when not Done
 };
 
-/// Runs a scene and writes everything of the contract's section 3. `progress` is called after each step and may return
-/// false to interrupt (what is on disk is then complete).
+/// Runs a scene and writes everything of the contract's section 3.
+///
+/// Time. Step k ends at k time_step; the last one is cut to end at `duration`. A step that fails is retried with half
+/// the step, down to time_step/1024; the parts grow again as soon as they fit. All sheets take a step, or none does.
+///
+/// Frames. Frame 0 is the start; after it, a frame is the state at the first step end at or after a multiple of 1/fps,
+/// at most one a step; each carries its true time.
+///
+/// Repeatability. Same binary, scene and directory content give the same bytes, except for what measures wall time: the
+/// t_* columns of steps.csv and the times in summary.json. Every 20 steps the state goes to disk and the run goes on
+/// from what was written, with steppers that remember nothing, just as a resumed run does: so both write the same
+/// bytes.
+///
+/// @param progress  called after each step; returns false to interrupt
 RunResult run_scene(const LoadedScene& loaded, const RunOptions& options,
                     const std::function<bool(const RunProgress&)>& progress = {});
 

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "output_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace crease {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path, int error) {
+  throw FileError(path, error ? std::strerror(error) : "not written whole");
+}
+
+void put(std::FILE* file, std::string_view bytes, const std::filesystem::path& path) {
+  errno = 0;
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size() || std::fflush(file) != 0) fail(path, errno);
+}
+
+}  // namespace
+
+FileError::FileError(const std::filesystem::path& path, const std::string& reason)
+    : std::runtime_error(path.string() + ": " + reason) {}
+
+void write_whole(const std::filesystem::path& path, std::string_view bytes) {
+  std::filesystem::path part = path;
+  part += ".tmp";
+  errno = 0;
+  std::FILE* file = std::fopen(part.c_str(), "wb");
+  if (!file) fail(path, errno);
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  int error = errno;
+  if (std::fclose(file) != 0 || !written) {  // a full disk may show only when the buffer is flushed
+    if (!error) error = errno;
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    fail(path, error);
+  }
+  std::error_code renamed;
+  std::filesystem::rename(part, path, renamed);
+  if (renamed) throw FileError(path, renamed.message());
+}
+
+std::string read_whole(const std::filesystem::path& path) {
+  errno = 0;
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (!file) fail(path, errno);
+  std::string bytes;
+  char block[1 << 16];
+  for (std::size_t n; (n = std::fread(block, 1, sizeof block, file)) > 0;) bytes.append(block, n);
+  const bool broken = std::ferror(file) != 0;
+  const int error = errno;
+  std::fclose(file);
+  if (broken) fail(path, error);
+  return bytes;
+}
+
+LineFile::LineFile(std::filesystem::path path) : path_(std::move(path)) {
+  errno = 0;
+  file_.reset(std::fopen(path_.c_str(), "ab"));
+  if (!file_) fail(path_, errno);
+}
+
+void LineFile::append(std::string_view line) {
+  put(file_.get(), line, path_);
+}
+
+}  // namespace crease

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "crease/base/types.hpp"
+
+namespace crease {
+
+/// One row of steps.csv. Counts are kept as doubles too, so that one table names, prints and reads every column.
+///
+/// Sheets are summed. Sizes, energies, momenta and penetration are those of the state at `time`, the end of the step;
+/// contacts and constraints those of its last part; iterations, remeshing and wall times are summed over its parts,
+/// wall times also over the attempts that failed.
+struct StepRow {
+  double step = 0, time = 0, time_step = 0, faces = 0, vertices = 0, eol_vertices = 0;
+  double contacts = 0, active_constraints = 0, qp_iterations = 0, kkt_residual = 0, retries = 0;
+  double kinetic_energy = 0, membrane_energy = 0, bending_energy = 0, gravitational_energy = 0;
+  double momentum_x = 0, momentum_y = 0, momentum_z = 0, max_penetration = 0;
+  double t_detect = 0, t_remesh = 0, t_transfer = 0, t_assemble = 0, t_constrain = 0, t_solve = 0, t_integrate = 0;
+  double t_output = 0, t_total = 0;
+  double inserted = 0, released = 0, splits = 0, flips = 0, collapses = 0, refusals = 0;
+  double angular_momentum_x = 0, angular_momentum_y = 0, angular_momentum_z = 0;
+  double edge_reaction_x = 0, edge_reaction_y = 0, edge_reaction_z = 0;  ///< mean over the step [N]
+  double pin_reaction_x = 0, pin_reaction_y = 0, pin_reaction_z = 0;     ///< mean over the step [N]
+
+  double energy() const { return kinetic_energy + membrane_energy + bending_energy + gravitational_energy; }
+  Vec3 momentum() const { return {momentum_x, momentum_y, momentum_z}; }
+};
+
+std::string steps_header();              ///< with newline
+std::string to_csv(const StepRow& row);  ///< with newline; shortest digits that read back the same number
+
+/// Rows of a steps.csv in order; a last line without newline, as a killed run leaves it, is not counted.
+/// Throws std::runtime_error naming the first line that is none of ours.
+std::vector<StepRow> parse_steps(const std::string& text);
+
+}  // namespace crease

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+#include "crease/stepper/run.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <exception>
+#include <span>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "checkpoint.hpp"
+#include "crease/base/require.hpp"
+#include "crease/collision/detect.hpp"
+#include "frames.hpp"
+#include "output_file.hpp"
+#include "output_obstacles.hpp"
+#include "output_steps.hpp"
+#include "output_summary.hpp"
+#include "run_advance.hpp"
+#include "run_directory.hpp"
+#include "run_schedule.hpp"
+
+namespace crease {
+namespace {
+
+/// Often enough that little is lost when a run is killed, seldom enough that neither the file nor the steppers' cold
+/// start is felt.
+constexpr int steps_per_checkpoint = 20;
+
+/// Lattice on which penetration inside a face is looked for; see max_penetration.
+constexpr int penetration_level = 4;
+
+/// Share of a step by which the wanted end may miss a step's end: scenes and --until are decimals.
+constexpr double until_slack = 1e-6;
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+std::string digits(double value) {
+  char text[64];
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 9).ptr};
+}
+
+/// What `parse` makes of a file; its complaints get the file's name.
+template <class Parse>
+auto parse_file(const std::filesystem::path& path, Parse parse) {
+  const std::string bytes = read_whole(path);
+  try {
+    return parse(bytes);
+  } catch (const std::exception& error) {
+    throw FileError(path, error.what());
+  }
+}
+
+class Run {
+ public:
+  Run(const LoadedScene& loaded, const RunOptions& options);
+  RunResult go(const std::function<bool(const RunProgress&)>& progress);
+
+ private:
+  void begin();
+  std::vector<StepRow> kept_rows() const;
+  std::optional<std::string> step();
+  void measure_step(StepRow& row) const;
+  void write_frame(int frame) const;
+  void write_frame_list() const;
+  void take_checkpoint();
+  RunResult finish(RunStatus status, std::string message) const;
+  void write_summary(bool finished, const std::string& why) const;
+  double time() const { return schedule_.end_of(step_); }
+  int n_frames() const { return schedule_.frames_until(step_); }
+  bool reached_end() const { return step_ >= schedule_.n_steps; }
+  bool reached_until() const { return options_.until && time() >= *options_.until - until_slack * schedule_.time_step; }
+  bool leaves_out(const char* stage) const {
+    return std::find(left_out_.begin(), left_out_.end(), stage) != left_out_.end();
+  }
+
+  const LoadedScene& loaded_;
+  const Scene& scene_;
+  const RunOptions& options_;
+  const RunDirectory directory_;
+  const Schedule schedule_;
+  const std::vector<std::string> left_out_;
+  const Energies start_;
+  Sheets sheets_;
+  Tally tally_;
+  std::optional<LineFile> steps_file_;
+  int step_ = 0;
+  double checkpoint_seconds_ = 0;  // wall time of a checkpoint taken since the last row
+};
+
+Run::Run(const LoadedScene& loaded, const RunOptions& options)
+    : loaded_(loaded),
+      scene_(loaded.scene),
+      options_(options),
+      directory_{options.directory},
+      schedule_(loaded.scene),
+      left_out_(stages_left_out(loaded.scene)),
+      start_(measure(loaded.scene, loaded.cloths)),
+      sheets_(loaded.scene, options.stages) {
+  if (options.force && !options.resume) remove_run(directory_);
+  if (!std::filesystem::exists(directory_.checkpoint())) {
+    std::filesystem::create_directories(directory_.root);
+    write_whole(directory_.checkpoint(), encode_checkpoint(loaded_.resolved_json, 0, loaded_.cloths));
+  }
+  begin();
+}
+
+/// Goes on from the checkpoint; a new run has one of step 0. Whatever a killed run wrote after it is dropped.
+void Run::begin() {
+  Checkpoint checkpoint = parse_file(directory_.checkpoint(), decode_checkpoint);
+  step_ = checkpoint.step;
+  sheets_.restart(std::move(checkpoint.cloths));
+  std::string table = steps_header();
+  for (const StepRow& row : kept_rows()) {
+    table += to_csv(row);
+    tally_.add(row);
+  }
+  std::filesystem::create_directories(directory_.root / "frames");
+  remove_frames(directory_, n_frames());
+  write_whole(directory_.root / "scene.json", loaded_.resolved_json + "\n");
+  write_whole(directory_.root / "obstacles.json", obstacles_json(scene_.obstacles, schedule_.frame_times));
+  write_whole(directory_.steps(), table);
+  steps_file_.emplace(directory_.steps());
+  if (step_ == 0) write_frame(0);
+  write_frame_list();
+  write_summary(false, "running, or killed while it ran");
+}
+
+std::vector<StepRow> Run::kept_rows() const {
+  if (step_ == 0) return {};
+  std::vector<StepRow> rows = parse_file(directory_.steps(), parse_steps);
+  if (static_cast<int>(rows.size()) < step_)
+    throw FileError(directory_.steps(), "holds fewer rows than the checkpoint has steps");
+  rows.resize(static_cast<std::size_t>(step_));
+  return rows;
+}
+
+RunResult Run::go(const std::function<bool(const RunProgress&)>& progress) {
+  while (!reached_end() && !reached_until()) {
+    if (std::optional<std::string> failure = step()) return finish(RunStatus::SimulationFailed, std::move(*failure));
+    const StepRow& row = tally_.last();
+    const bool go_on = !progress || progress({time(), scene_.duration, tally_.sums().t_total, step_,
+                                              static_cast<int>(row.faces), static_cast<int>(row.eol_vertices),
+                                              static_cast<int>(row.contacts), static_cast<int>(tally_.sums().retries)});
+    if (!go_on && !reached_end() && !reached_until())
+      return finish(RunStatus::Interrupted, "interrupted after step " + std::to_string(step_) + " (time " +
+                                                digits(time()) + " s); --resume continues");
+  }
+  return finish(RunStatus::Done, reached_end() ? "reached the end of the scene" : "stopped at --until");
+}
+
+/// One step and its row. @return what failed, or nothing
+std::optional<std::string> Run::step() {
+  const auto start = Clock::now();
+  StepRow row;
+  row.step = step_ + 1;
+  row.time = schedule_.end_of(step_ + 1);
+  row.time_step = schedule_.size_of(step_ + 1);
+  if (std::optional<std::string> failure = sheets_.advance(time(), row.time_step, row))
+    return "step " + std::to_string(step_ + 1) + " (time " + digits(time()) + " s to " + digits(row.time) + " s), " +
+           *failure;
+  ++step_;
+
+  const auto output_start = Clock::now();
+  measure_step(row);
+  if (n_frames() > schedule_.frames_until(step_ - 1)) {
+    write_frame(n_frames() - 1);
+    write_frame_list();
+  }
+  row.t_output = std::exchange(checkpoint_seconds_, 0.0);
+  row.t_total = row.t_output + seconds_since(start);
+  row.t_output += seconds_since(output_start);
+  steps_file_->append(to_csv(row));
+  tally_.add(row);
+  // Last, so that frames and rows up to a checkpoint's step are always on disk.
+  if (step_ % steps_per_checkpoint == 0 || reached_end()) take_checkpoint();
+  return std::nullopt;
+}
+
+/// Fills the columns that describe the state at the end of the step.
+void Run::measure_step(StepRow& row) const {
+  if (leaves_out("detect")) row.t_detect = 0;
+  if (leaves_out("remesh")) row.t_remesh = row.t_transfer = 0;
+  if (leaves_out("constrain")) row.t_constrain = 0;
+  if (leaves_out("qp")) row.qp_iterations = 0;
+  for (const Cloth& cloth : sheets_.cloths()) {
+    row.faces += cloth.mesh.n_faces();
+    row.vertices += cloth.mesh.n_vertices();
+    row.eol_vertices += cloth.n_eol();
+  }
+  const Energies now = measure(scene_, sheets_.cloths());
+  row.kinetic_energy = now.kinetic;
+  row.membrane_energy = now.membrane;
+  row.bending_energy = now.bending;
+  row.gravitational_energy = now.gravitational;
+  row.momentum_x = now.momentum.x(), row.momentum_y = now.momentum.y(), row.momentum_z = now.momentum.z();
+  row.angular_momentum_x = now.angular_momentum.x(), row.angular_momentum_y = now.angular_momentum.y();
+  row.angular_momentum_z = now.angular_momentum.z();
+  if (scene_.obstacles.empty()) return;
+  std::vector<PosedObstacle> posed;
+  for (const Obstacle& obstacle : scene_.obstacles) posed.push_back({&obstacle.shape, pose_at(obstacle, time())});
+  for (const Cloth& cloth : sheets_.cloths())
+    row.max_penetration = std::max(row.max_penetration, max_penetration(cloth, posed, penetration_level));
+}
+
+void Run::write_frame(int frame) const {
+  std::vector<NamedCloth> cloths;
+  for (std::size_t c = 0; c < scene_.cloths.size(); ++c)
+    cloths.push_back({scene_.cloths[c].name, &sheets_.cloths()[c]});
+  for (const FrameFormat format : scene_.formats) {
+    if (format == FrameFormat::Vtp) {
+      write_whole(directory_.root / frame_path(frame, "vtp"), vtp_text(cloths, time()));
+    } else {
+      std::ostringstream text;
+      write_obj(text, cloths, time());
+      write_whole(directory_.root / frame_path(frame, "obj"), text.str());
+    }
+  }
+}
+
+void Run::write_frame_list() const {
+  if (std::find(scene_.formats.begin(), scene_.formats.end(), FrameFormat::Vtp) == scene_.formats.end()) return;
+  const std::span<const double> times(schedule_.frame_times);
+  write_whole(directory_.root / "cloth.pvd", pvd_text(times.first(static_cast<std::size_t>(n_frames()))));
+}
+
+/// Writes the state and goes on from what was written, as a resumed run will: the mesh's inner order and the steppers'
+/// memory of earlier steps do influence the last bits.
+void Run::take_checkpoint() {
+  const auto start = Clock::now();
+  const std::string bytes = encode_checkpoint(loaded_.resolved_json, step_, sheets_.cloths());
+  write_whole(directory_.checkpoint(), bytes);
+  sheets_.restart(decode_checkpoint(bytes).cloths);
+  checkpoint_seconds_ = seconds_since(start);
+}
+
+RunResult Run::finish(RunStatus status, std::string message) const {
+  const bool finished = status == RunStatus::Done;
+  write_summary(finished, message);
+  return {status, finished ? std::string() : std::move(message)};
+}
+
+void Run::write_summary(bool finished, const std::string& why) const {
+  const Summary summary{finished, why, options_.command_line, n_frames(), left_out_, start_};
+  write_whole(directory_.root / "summary.json", summary_json(scene_, summary, tally_));
+}
+
+}  // namespace
+
+RunResult run_scene(const LoadedScene& loaded, const RunOptions& options,
+                    const std::function<bool(const RunProgress&)>& progress) {
+  require(loaded.cloths.size() == loaded.scene.cloths.size(), "run_scene: expected one cloth for each of the scene's");
+  try {
+    const RunDirectory directory{options.directory};
+    if (std::optional<std::string> why = refusal(directory, options)) return {RunStatus::Refused, std::move(*why)};
+    if (options.resume && std::filesystem::exists(directory.checkpoint()) &&
+        !parse_file(directory.checkpoint(),
+                    [&](const std::string& bytes) { return belongs_to(bytes, loaded.resolved_json); }))
+      return {RunStatus::Refused,
+              directory.root.string() + ": holds a run of another scene; --resume needs the same scene and --set"};
+    return Run(loaded, options).go(progress);
+  } catch (const FileError& error) {
+    return {RunStatus::FileTrouble, error.what()};
+  } catch (const std::filesystem::filesystem_error& error) {
+    return {RunStatus::FileTrouble, error.path1().string() + ": " + error.code().message()};
+  }
+}
+
+}  // namespace crease

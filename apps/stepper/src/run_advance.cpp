@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "run_advance.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <exception>
+#include <utility>
+
+namespace crease {
+namespace {
+
+constexpr int most_halvings = 10;
+constexpr int finest = 1 << most_halvings;  ///< smallest parts in a step
+
+std::string digits(double value) {
+  char text[64];
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
+}
+
+void add_times(const StageTimes& times, StepRow& row) {
+  row.t_detect += times.detect;
+  row.t_remesh += times.remesh;
+  row.t_transfer += times.transfer;
+  row.t_assemble += times.assemble;
+  row.t_constrain += times.constrain;
+  row.t_solve += times.solve;
+  row.t_integrate += times.integrate;
+}
+
+/// Adds what an accepted part did. @param share  of the whole step's time
+void add_work(const StepReport& report, double share, StepRow& row) {
+  row.contacts += report.contacts;
+  row.active_constraints += report.active_constraints;
+  row.qp_iterations += report.qp_iterations;
+  row.kkt_residual = std::max(row.kkt_residual, report.kkt_residual);
+  row.inserted += report.inserted;
+  row.released += report.released;
+  row.splits += report.splits;
+  row.flips += report.flips;
+  row.collapses += report.collapses;
+  row.refusals += report.refusals;
+  row.edge_reaction_x += share * report.edge_reaction.x();
+  row.edge_reaction_y += share * report.edge_reaction.y();
+  row.edge_reaction_z += share * report.edge_reaction.z();
+  row.pin_reaction_x += share * report.pin_reaction.x();
+  row.pin_reaction_y += share * report.pin_reaction.y();
+  row.pin_reaction_z += share * report.pin_reaction.z();
+}
+
+bool all_of_cloths(const Scene& scene, bool (*holds)(const ClothSpec&)) {
+  return std::all_of(scene.cloths.begin(), scene.cloths.end(), holds);
+}
+
+}  // namespace
+
+std::vector<std::string> stages_left_out(const Scene& scene) {
+  std::vector<std::string> left_out;
+  if (scene.obstacles.empty()) left_out.push_back("detect");
+  if (all_of_cloths(scene, [](const ClothSpec& spec) { return spec.remeshing == RemeshMethod::None; }))
+    left_out.insert(left_out.end(), {"remesh", "transfer"});
+  if (scene.obstacles.empty() && all_of_cloths(scene, [](const ClothSpec& spec) { return spec.pins.empty(); }))
+    left_out.insert(left_out.end(), {"constrain", "qp"});
+  return left_out;
+}
+
+/// What came of one part for all sheets: their new states, or why one of them failed.
+struct Sheets::Attempt {
+  std::vector<StepResult> results;
+  std::string failure;
+  bool worth_a_retry = true;
+};
+
+Sheets::Sheets(const Scene& scene, MakeStages make_stages) : scene_(scene), make_stages_(std::move(make_stages)) {}
+
+void Sheets::restart(std::vector<Cloth> cloths) {
+  cloths_ = std::move(cloths);
+  make_steppers();
+}
+
+void Sheets::make_steppers() {
+  steppers_.clear();
+  for (const ClothSpec& spec : scene_.cloths) {
+    SheetSettings settings{spec.material, {scene_.gravity, scene_.velocity_terms}, scene_.threshold, spec.pins};
+    steppers_.emplace_back(std::move(settings), make_stages_(scene_, spec));
+  }
+}
+
+Sheets::Attempt Sheets::attempt(double time, double h, StepRow& row) {
+  Attempt attempt;
+  for (std::size_t c = 0; c < cloths_.size(); ++c) {
+    const std::string who = cloths_.size() > 1 ? "cloth '" + scene_.cloths[c].name + "', " : "";
+    try {
+      attempt.results.push_back(steppers_[c].step(cloths_[c], scene_.obstacles, time, h));
+    } catch (const std::exception& error) {  // no numerics end like this: a smaller step would only hide it
+      attempt.failure = who + "unexpected: " + error.what();
+      attempt.worth_a_retry = false;
+      return attempt;
+    }
+    const StepReport& report = attempt.results.back().report;
+    add_times(report.times, row);
+    if (report.status == StepStatus::Done) continue;
+    attempt.failure = who + "stage " + report.stage + ": " + to_string(report.status);
+    if (!report.message.empty()) attempt.failure += " (" + report.message + ")";
+    return attempt;
+  }
+  return attempt;
+}
+
+std::optional<std::string> Sheets::advance(double time, double h, StepRow& row) {
+  const std::vector<Cloth> before = cloths_;
+  int done = 0, part = finest;  // of the step, in 1/finest
+  while (done < finest) {
+    const double share = static_cast<double>(part) / finest;
+    Attempt tried = attempt(time + h * done / finest, h * share, row);
+    if (!tried.failure.empty()) {
+      // What the failed attempt taught the steppers belongs to states that never came to be.
+      make_steppers();
+      if (part == 1 || !tried.worth_a_retry) {
+        cloths_ = before;
+        return tried.failure + (part < finest ? "; tried down to a step of " + digits(h * share) + " s" : "");
+      }
+      ++row.retries;
+      part /= 2;
+      continue;
+    }
+    row.contacts = row.active_constraints = 0;  // of the last part
+    for (std::size_t c = 0; c < cloths_.size(); ++c) {
+      cloths_[c] = std::move(tried.results[c].cloth);
+      add_work(tried.results[c].report, share, row);
+    }
+    done += part;
+    while (part < finest && done % (2 * part) == 0) part *= 2;
+  }
+  return std::nullopt;
+}
+
+}  // namespace crease

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "crease/stepper/run.hpp"
+#include "output_steps.hpp"
+
+namespace crease {
+
+/// Names of the stages that a scene does not need: "detect", "remesh", "transfer", "constrain", "qp".
+std::vector<std::string> stages_left_out(const Scene& scene);
+
+/// The sheets of a scene, advanced together: a step is taken by every one of them or by none.
+class Sheets {
+ public:
+  using MakeStages = std::function<Stages(const Scene&, const ClothSpec&)>;
+  /// @param scene  must outlive this
+  Sheets(const Scene& scene, MakeStages make_stages);
+
+  /// Goes on from these cloths with steppers that remember nothing.
+  void restart(std::vector<Cloth> cloths);
+
+  /// Advances from `time` to `time + h`, in parts where the whole fails. Fills the row's columns about contacts,
+  /// solving, remeshing, reactions and stage times, and its retries. Ends by construction: parts are h/2^k with k <=
+  /// 10, and each failure halves the part at hand.
+  /// @return what failed, or nothing; after a failure the cloths are those before the step
+  std::optional<std::string> advance(double time, double h, StepRow& row);
+
+  const std::vector<Cloth>& cloths() const { return cloths_; }
+
+ private:
+  struct Attempt;
+  Attempt attempt(double time, double h, StepRow& row);
+  void make_steppers();
+
+  const Scene& scene_;
+  MakeStages make_stages_;
+  std::vector<SheetStepper> steppers_;
+  std::vector<Cloth> cloths_;
+};
+
+}  // namespace crease

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "run_directory.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <vector>
+
+#include "output_file.hpp"
+
+namespace crease {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Number of a frame file of ours, or nothing.
+std::optional<int> frame_number(const fs::path& file) {
+  const std::string stem = file.stem().string(), extension = file.extension().string();
+  if (extension != ".vtp" && extension != ".obj") return std::nullopt;
+  int number = 0;
+  const auto parsed = std::from_chars(stem.data(), stem.data() + stem.size(), number);
+  const bool ours =
+      stem.size() >= 6 && parsed.ec == std::errc() && parsed.ptr == stem.data() + stem.size() && number >= 0;
+  return ours ? std::optional(number) : std::nullopt;
+}
+
+std::vector<fs::path> entries(const fs::path& directory) {
+  std::vector<fs::path> files;
+  if (fs::is_directory(directory))
+    for (const auto& entry : fs::directory_iterator(directory)) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// A run killed before its first checkpoint leaves no more than that checkpoint's beginnings.
+bool holds_nothing_yet(const RunDirectory& directory) {
+  fs::path part = directory.checkpoint();
+  part += ".tmp";
+  const std::vector<fs::path> files = entries(directory.root);
+  return std::all_of(files.begin(), files.end(), [&](const fs::path& file) { return file == part; });
+}
+
+}  // namespace
+
+std::optional<std::string> refusal(const RunDirectory& directory, const RunOptions& options) {
+  const std::string name = directory.root.string();
+  if (fs::exists(directory.root) && !fs::is_directory(directory.root))
+    throw FileError(directory.root, "is not a directory");
+  if (options.resume) {
+    if (!fs::exists(directory.root)) return name + ": nothing to resume, the directory does not exist";
+    if (!fs::exists(directory.checkpoint()) && !holds_nothing_yet(directory))
+      return name + ": nothing to resume, the directory holds no checkpoint.bin; start anew with --force";
+    return std::nullopt;
+  }
+  if (!options.force && fs::exists(directory.root) && !fs::is_empty(directory.root))
+    return name + ": directory is not empty; continue the run in it with --resume or overwrite it with --force";
+  return std::nullopt;
+}
+
+void remove_frames(const RunDirectory& directory, int first_frame) {
+  for (const fs::path& file : entries(directory.root / "frames")) {
+    const std::optional<int> number =
+        frame_number(file.extension() == ".tmp" ? fs::path(file).replace_extension() : file);
+    if (number && (*number >= first_frame || file.extension() == ".tmp")) fs::remove(file);
+  }
+}
+
+void remove_run(const RunDirectory& directory) {
+  for (const char* name :
+       {"checkpoint.bin", "summary.json", "steps.csv", "cloth.pvd", "obstacles.json", "scene.json"}) {
+    fs::remove(directory.root / name);
+    fs::remove(directory.root / (std::string(name) + ".tmp"));
+  }
+  remove_frames(directory, 0);
+}
+
+}  // namespace crease
