@@ -158,7 +158,7 @@ void Pass::add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const Bendi
   const std::array<int, 4>& v = blocks.hinge.vertex;
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < 4; ++j) {
-      const double w = stiffness_scale * element.c * element.k[i] * element.k[j];
+      const double w = stiffness_scale * element.c * (element.k[i] * element.k[j]);  // same bits for (j, i)
       const int at = blocks.at[4 * i + j];
       if (F == nullptr) {
         for (int axis = 0; axis < 3; ++axis) values[at + axis * (pattern.stride[v[j]] + 1)] += w;
