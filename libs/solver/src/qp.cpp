@@ -1,1 +1,164 @@
 // SPDX-License-Identifier: MIT
+#include "crease/solver/qp.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "crease/base/require.hpp"
+
+namespace crease {
+namespace {
+
+/// Two stored halves of H may differ by the rounding of their sums; more than this share of the largest entry is a
+/// mistake of the assembly.
+constexpr double kSymmetryTolerance = 1e-9;
+constexpr double kTiny = 1e-300;  ///< stands in for a scale of zero
+
+double max_abs(const VecX& v) {
+  return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
+}
+
+/// 0 * x is 0 for a finite x and NaN otherwise.
+bool is_finite(const double* values, Eigen::Index count) {
+  return count == 0 || (Eigen::Map<const VecX>(values, count) * 0.0).sum() == 0.0;
+}
+
+template <class Sparse>
+bool is_finite(const Sparse& A) {
+  return is_finite(A.valuePtr(), A.nonZeros());
+}
+
+template <class Sparse>
+bool has_sorted_lines(const Sparse& A) {
+  for (int line = 0; line < A.outerSize(); ++line) {
+    const int end = A.outerIndexPtr()[line + 1];
+    for (int at = A.outerIndexPtr()[line]; at < end; ++at) {
+      const int index = A.innerIndexPtr()[at];
+      if (index < 0 || index >= A.innerSize()) return false;
+      if (at + 1 < end && index >= A.innerIndexPtr()[at + 1]) return false;
+    }
+  }
+  return true;
+}
+
+/// Walks the columns in order; entry (r, c) below the diagonal must meet its mirror as the next one of column r.
+bool is_symmetric(const SparseMatrix& H) {
+  const int* outer = H.outerIndexPtr();
+  const int* inner = H.innerIndexPtr();
+  const double* value = H.valuePtr();
+  const double slack = H.nonZeros() == 0 ? 0.0 : kSymmetryTolerance * H.coeffs().abs().maxCoeff();
+  std::vector<int> next(outer, outer + H.outerSize());
+  for (int c = 0; c < H.outerSize(); ++c) {
+    int at = next[c];
+    if (at < outer[c + 1] && inner[at] < c) return false;  // an upper entry no lower one has asked for
+    if (at < outer[c + 1] && inner[at] == c) ++at;
+    for (; at < outer[c + 1]; ++at) {
+      const int r = inner[at];
+      const int mirror = next[r]++;
+      if (mirror >= outer[r + 1] || inner[mirror] != c) return false;
+      if (std::abs(value[mirror] - value[at]) > slack) return false;
+    }
+  }
+  return true;
+}
+
+void require_rows(const SparseRows& A, const VecX& b, Eigen::Index n, const std::string& name) {
+  require(A.rows() == b.size(), "QpProblem: expected as many rows in A_" + name + " as in b_" + name + ", got " +
+                                    std::to_string(A.rows()) + " and " + std::to_string(b.size()));
+  require(A.rows() == 0 || A.cols() == n,
+          "QpProblem: expected A_" + name + " with " + std::to_string(n) + " columns, got " + std::to_string(A.cols()));
+  require(A.isCompressed() && has_sorted_lines(A), "QpProblem: expected A_" + name + " compressed, columns ascending");
+  require(is_finite(A) && is_finite(b.data(), b.size()), "QpProblem: expected finite A_" + name + " and b_" + name);
+}
+
+/// The worst row of a block of constraints, each violation relative to the row's own size.
+struct RowResiduals {
+  double primal = 0, dual = 0, complementarity = 0;
+};
+
+RowResiduals row_residuals(const SparseRows& A, const VecX& b, const VecX& q, const VecX& lambda, bool equality,
+                           double q_scale, double force_scale) {
+  RowResiduals worst;
+  for (int i = 0; i < A.rows(); ++i) {
+    double value = 0, sum = 0, largest = 0;
+    for (SparseRows::InnerIterator a(A, i); a; ++a) {
+      value += a.value() * q[a.col()];
+      sum += std::abs(a.value());
+      largest = std::max(largest, std::abs(a.value()));
+    }
+    const double slack = (value - b[i]) / std::max({kTiny, std::abs(b[i]), sum * q_scale});
+    const double force = lambda[i] * largest / force_scale;
+    worst.primal = std::max(worst.primal, equality ? std::abs(slack) : -slack);
+    if (equality) continue;
+    worst.dual = std::max(worst.dual, -force);
+    worst.complementarity = std::max(worst.complementarity, std::abs(force * slack));
+  }
+  return worst;
+}
+
+/// Largest absolute row sum.
+double row_sum_norm(const SparseMatrix& H) {
+  VecX sums = VecX::Zero(H.rows());
+  for (int c = 0; c < H.outerSize(); ++c)
+    for (SparseMatrix::InnerIterator entry(H, c); entry; ++entry) sums[entry.row()] += std::abs(entry.value());
+  return max_abs(sums);
+}
+
+}  // namespace
+
+const char* to_string(QpStatus status) {
+  switch (status) {
+    case QpStatus::Solved:
+      return "solved";
+    case QpStatus::Infeasible:
+      return "infeasible";
+    case QpStatus::Unbounded:
+      return "unbounded";
+    case QpStatus::IterationLimit:
+      return "iteration limit";
+    case QpStatus::NumericalTrouble:
+      return "numerical trouble";
+  }
+  return "unknown";
+}
+
+void require_valid(const QpProblem& problem) {
+  const Eigen::Index n = problem.f.size();
+  const SparseMatrix& H = problem.H;
+  require(H.rows() == n && H.cols() == n, "QpProblem: expected H of size " + std::to_string(n) + ", got " +
+                                              std::to_string(H.rows()) + " x " + std::to_string(H.cols()));
+  require(H.isCompressed() && has_sorted_lines(H), "QpProblem: expected H compressed, rows ascending in each column");
+  require(is_finite(H) && is_finite(problem.f.data(), n), "QpProblem: expected finite H and f");
+  require(is_symmetric(H), "QpProblem: expected H symmetric with both triangles stored");
+  require_rows(problem.A_eq, problem.b_eq, n, "eq");
+  require_rows(problem.A_in, problem.b_in, n, "in");
+  const std::vector<int>& blocks = problem.blocks;
+  if (blocks.empty()) return;
+  require(blocks.front() == 0 && blocks.back() == n, "QpProblem: expected blocks from 0 to " + std::to_string(n) +
+                                                         ", got " + std::to_string(blocks.front()) + " to " +
+                                                         std::to_string(blocks.back()));
+  require(std::adjacent_find(blocks.begin(), blocks.end(), std::greater_equal<int>()) == blocks.end(),
+          "QpProblem: expected strictly ascending blocks");
+}
+
+double kkt_residual(const QpProblem& problem, const VecX& q, const VecX& lambda_eq, const VecX& lambda_in) {
+  const Eigen::Index n = problem.f.size();
+  const bool shapes =
+      q.size() == n && lambda_eq.size() == problem.b_eq.size() && lambda_in.size() == problem.b_in.size();
+  if (!shapes || !q.allFinite() || !lambda_eq.allFinite() || !lambda_in.allFinite())
+    return std::numeric_limits<double>::infinity();
+  const VecX Hq = problem.H * q;
+  VecX reaction = VecX::Zero(n);
+  if (lambda_eq.size() > 0) reaction += problem.A_eq.transpose() * lambda_eq;
+  if (lambda_in.size() > 0) reaction += problem.A_in.transpose() * lambda_in;
+  const double force_scale = std::max({kTiny, max_abs(problem.f), max_abs(Hq), max_abs(reaction)});
+  const double q_scale = std::max(max_abs(q), max_abs(problem.f) / std::max(kTiny, row_sum_norm(problem.H)));
+  const double stationarity = max_abs(Hq - problem.f - reaction) / force_scale;
+  const RowResiduals eq = row_residuals(problem.A_eq, problem.b_eq, q, lambda_eq, true, q_scale, force_scale);
+  const RowResiduals in = row_residuals(problem.A_in, problem.b_in, q, lambda_in, false, q_scale, force_scale);
+  const double worst = std::max({stationarity, eq.primal, in.primal, in.dual, in.complementarity});
+  return std::isfinite(worst) ? worst : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace crease

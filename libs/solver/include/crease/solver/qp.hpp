@@ -13,9 +13,9 @@ namespace crease {
 /// Knows nothing of cloth. `blocks` tells which unknowns belong together (one vertex): a row whose entries all lie in
 /// one block is *local* and cheap (it becomes a bound after a change of basis of that block), any other row is general.
 struct QpProblem {
-  SparseMatrix H;           ///< n x n, symmetric positive semidefinite, both triangles stored, columns sorted
-  VecX f;                   ///< n
-  SparseRows A_eq, A_in;    ///< m_eq x n, m_in x n (0 rows allowed)
+  SparseMatrix H;         ///< n x n, symmetric positive semidefinite, both triangles stored, columns sorted
+  VecX f;                 ///< n
+  SparseRows A_eq, A_in;  ///< m_eq x n, m_in x n (0 rows allowed)
   VecX b_eq, b_in;
   std::vector<int> blocks;  ///< ascending starts, last entry n; empty = every unknown its own block
 };
@@ -32,22 +32,24 @@ const char* to_string(QpStatus status);
 /// Primal and dual solution. Stationarity: H q - f = A_eq^T lambda_eq + A_in^T lambda_in, lambda_in >= 0.
 struct QpResult {
   QpStatus status = QpStatus::NumericalTrouble;
-  VecX q;                    ///< finite whenever status is Solved or IterationLimit; else empty
+  VecX q;  ///< finite whenever status is Solved or IterationLimit; else empty
   VecX lambda_eq, lambda_in;
   std::vector<char> active;  ///< one an inequality: 1 = held at its bound
   int iterations = 0;
-  double kkt_residual = 0;   ///< see kkt_residual()
-  std::string message;       ///< for the reader when not Solved
+  double kkt_residual = 0;  ///< see kkt_residual()
+  std::string message;      ///< for the reader when not Solved
 };
 
 struct QpOptions {
-  double tolerance = 1e-8;   ///< on the relative KKT residual
+  double tolerance = 1e-8;  ///< on the relative KKT residual
   int max_iterations = 200;
 };
 
 /// Largest relative violation of the four KKT conditions (stationarity, primal, dual, complementarity).
-/// Stationarity is divided by max(1e-300, |f|_inf, |H q|_inf, |A^T lambda|_inf), primal by max(|b|_inf, |A|_inf |q|_inf),
-/// dual and complementarity likewise, so the number does not depend on units.
+/// Stationarity and dual (|a_i|_inf lambda_i) are divided by max(1e-300, |f|_inf, |H q|_inf, |A^T lambda|_inf); primal,
+/// row by row, by max(1e-300, |b_i|, |a_i|_1 max(|q|_inf, |f|_inf / |H|_inf)); complementarity by both. So the number
+/// depends neither on units nor on the scaling of a row, and stays meaningful where the minimiser is q = 0.
+/// Infinite if a shape is wrong or a number is not finite.
 double kkt_residual(const QpProblem& problem, const VecX& q, const VecX& lambda_eq, const VecX& lambda_in);
 
 /// Shapes, finite numbers, symmetry pattern, sorted blocks; throws std::invalid_argument.

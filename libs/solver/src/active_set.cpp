@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "active_set.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "certificates.hpp"
+#include "crease/base/require.hpp"
+#include "ipopt.hpp"
+
+namespace crease {
+namespace {
+
+/// Lifts of the unit diagonal of H, tried in turn. The first leaves the problem as it is; the others make a singular H
+/// regular and cost proximal steps, the fewer the smaller the lift.
+constexpr double kLifts[] = {0, 1e-10, 1e-8, 1e-6};
+constexpr int kMaxProximalSteps = 40;
+/// Residual a proximal step aims at; below it there is only rounding to gain.
+constexpr double kGoal = 1e-12;
+
+void require_valid(const QpOptions& options, std::span<const char> guess, Eigen::Index n_in) {
+  require(options.tolerance > 0 && options.max_iterations > 0,
+          "QpSolver: expected a positive tolerance and iteration budget");
+  require(guess.empty() || static_cast<Eigen::Index>(guess.size()) == n_in,
+          "QpSolver: expected a guess for each of " + std::to_string(n_in) + " inequalities, got " +
+              std::to_string(guess.size()));
+}
+
+}  // namespace
+
+QpResult ActiveSetSolver::solve(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) {
+  require_valid(problem);
+  require_valid(options, guess, problem.b_in.size());
+  QpResult result;
+  if (!reduction_.build(problem)) {
+    result.status = QpStatus::Infeasible;
+    result.message = "constraints of one block contradict each other";
+    return result;
+  }
+  if (reduction_.pattern_changed() && !kkt_.analyze(reduction_.reduced(), reduction_.pattern())) {
+    result.message = "CHOLMOD could not analyse H";
+    return result;
+  }
+  int iterations = 0;
+  for (const double lift : kLifts) {
+    const bool done = attempt(problem, options, guess, lift, result);
+    iterations += result.iterations;
+    result.iterations = iterations;
+    if (done) return result;
+  }
+  result = make_ipopt_solver()->solve(problem, options, guess);
+  result.iterations += iterations;
+  if (result.status != QpStatus::Solved) result.message = "active set gave up; " + result.message;
+  return result;
+}
+
+bool ActiveSetSolver::attempt(const QpProblem& problem, const QpOptions& options, std::span<const char> guess,
+                              double epsilon, QpResult& result) {
+  const ReducedQp& qp = reduction_.reduced();
+  const bool proximal = epsilon > 0 || qp.n_rows() > 0;
+  kkt_.reset(qp, epsilon);
+  WorkingSet set = reduction_.start(guess);
+  WorkingSetSearch search(qp, kkt_, options.max_iterations);
+  Anchor anchor{VecX::Zero(qp.size()), VecX::Zero(qp.n_rows())};
+  ReducedPoint point;
+  QpResult best, former;
+  best.kkt_residual = std::numeric_limits<double>::infinity();
+  const auto finish = [&](QpResult answer, QpStatus status, const char* message) {
+    result = std::move(answer);
+    result.iterations = search.iterations();
+    result.status = status;
+    result.message = message;
+    return true;
+  };
+  for (int step = 0; step < kMaxProximalSteps; ++step) {
+    const SearchStatus status = search.run(anchor, set, point);
+    if (status == SearchStatus::Singular) break;
+    QpResult now = read_out(problem, set, point, search.gradient(point));
+    const bool settled = !proximal || !(now.kkt_residual < 0.5 * best.kkt_residual);
+    if (now.kkt_residual < best.kkt_residual) best = now;
+    if (status == SearchStatus::IterationLimit)
+      return finish(best.q.size() > 0 ? best : now, QpStatus::IterationLimit, "iteration budget spent");
+    if (best.kkt_residual <= kGoal || (settled && best.kkt_residual <= options.tolerance))
+      return finish(best, QpStatus::Solved, "");
+    if (!proximal) break;
+    if (step > 0) {
+      if (proves_infeasible(problem, now.lambda_eq - former.lambda_eq, now.lambda_in - former.lambda_in, now.q))
+        return finish({}, QpStatus::Infeasible, "the constraints contradict each other");
+      if (epsilon > 0 && proves_unbounded(problem, now.q - former.q))
+        return finish({}, QpStatus::Unbounded, "the objective falls without end along a feasible direction");
+    }
+    former = std::move(now);
+    anchor = point;
+  }
+  result.iterations = search.iterations();
+  if (best.kkt_residual > options.tolerance) return false;
+  return finish(best, QpStatus::Solved, "");
+}
+
+QpResult ActiveSetSolver::read_out(const QpProblem& problem, const WorkingSet& set, const ReducedPoint& point,
+                                   const VecX& gradient) const {
+  QpResult result;
+  result.q = reduction_.to_q(point.u);
+  Multipliers lambda = reduction_.to_multipliers(gradient, point.row_lambda, set);
+  result.lambda_eq = std::move(lambda.eq);
+  result.lambda_in = lambda.in.cwiseMax(0.0);  // a tie may be negative by rounding; what is worse shows in the residual
+  result.active = reduction_.active(set);
+  result.kkt_residual = kkt_residual(problem, result.q, result.lambda_eq, result.lambda_in);
+  return result;
+}
+
+}  // namespace crease

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "block_basis.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+
+namespace crease {
+namespace {
+
+/// |part of a unit normal outside the span of the equalities|, below which the equalities decide the row. The row then
+/// holds to this share of |q|, well inside any tolerance asked for.
+constexpr double kDependent = 1e-10;
+/// Mismatch of constants that counts as rounding, relative to the size of the unknowns.
+constexpr double kMismatch = 1e-9;
+/// Distance of two unit normals that are one and the same.
+constexpr double kSameNormal = 1e-12;
+/// Sine of the least angle [rad] between an inequality normal and those already coordinates: the condition number of
+/// the basis is about its reciprocal, so smaller angles go to the general rows instead.
+constexpr double kLeastAngle = 1e-2;
+
+/// Removes from `a` its part in the rows of the orthonormal `Q`; twice, because once leaves rounding of |a|.
+SmallVector project_off(const SmallMatrix& Q, SmallVector a) {
+  for (int pass = 0; pass < 2; ++pass) a -= (Q.transpose() * (Q * a).eval()).eval();
+  return a;
+}
+
+void append_row(SmallMatrix& A, const SmallVector& row) {
+  A.conservativeResize(A.rows() + 1, row.size());
+  A.row(A.rows() - 1) = row.transpose();
+}
+
+void append(SmallVector& v, double value) {
+  v.conservativeResize(v.size() + 1);
+  v[v.size() - 1] = value;
+}
+
+struct EqualityPart {
+  SmallMatrix Q;
+  SmallVector q;  ///< the point of the span that meets them
+};
+
+/// Picks the row farthest from those picked, until none is left that is independent; the rest has to agree.
+EqualityPart add_equalities(BlockBasis& basis, int size, const std::vector<LocalRow>& rows, double q_scale) {
+  EqualityPart part{SmallMatrix(0, size), SmallVector::Zero(size)};
+  std::vector<char> used(rows.size(), 0);
+  while (part.Q.rows() < size) {
+    int best = -1;
+    double best_length = kDependent;
+    for (size_t i = 0; i < rows.size(); ++i) {
+      const double length = used[i] ? 0.0 : project_off(part.Q, rows[i].a).norm();
+      if (length > best_length) best = static_cast<int>(i), best_length = length;
+    }
+    if (best < 0) break;
+    used[best] = 1;
+    basis.eq.push_back(rows[best]);
+    append_row(part.Q, project_off(part.Q, rows[best].a).normalized());
+  }
+  const auto n_eq = part.Q.rows();
+  basis.L = SmallMatrix::Zero(n_eq, n_eq);
+  basis.fixed = SmallVector::Zero(n_eq);
+  for (int i = 0; i < n_eq; ++i) {
+    basis.L.row(i) = (part.Q * basis.eq[i].a).transpose();
+    const double known = basis.L.row(i).head(i) * basis.fixed.head(i);
+    basis.fixed[i] = (basis.eq[i].b - known) / basis.L(i, i);
+  }
+  part.q = part.Q.transpose() * basis.fixed;
+  for (const LocalRow& row : rows) {
+    const double scale = std::max({std::abs(row.b), part.q.norm(), q_scale});
+    if (std::abs(row.a.dot(part.q) - row.b) > kMismatch * scale) basis.conflict = true;
+  }
+  return part;
+}
+
+/// An inequality after the equalities are met: normal . q >= lower over what is left of the block.
+struct Reduced {
+  SmallVector normal;
+  double lower, length;
+  int same_as;  ///< first inequality with this normal (itself if none)
+};
+
+std::vector<Reduced> reduce(BlockBasis& basis, const EqualityPart& eq, const std::vector<LocalRow>& rows,
+                            double q_scale) {
+  std::vector<Reduced> reduced;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const SmallVector rest = project_off(eq.Q, rows[i].a);
+    Reduced r{rest, rows[i].b - rows[i].a.dot(eq.q), rest.norm(), static_cast<int>(i)};
+    if (r.length <= kDependent) {
+      basis.owner[i] = BlockBasis::kRedundant;
+      const double scale = std::max({std::abs(rows[i].b), eq.q.norm(), q_scale});
+      if (r.lower > kMismatch * scale) basis.conflict = true;
+    } else {
+      r.normal /= r.length;
+      r.lower /= r.length;
+      for (size_t j = 0; j < i; ++j)
+        if (reduced[j].length > kDependent && (reduced[j].normal - r.normal).norm() < kSameNormal) {
+          r.same_as = reduced[j].same_as;
+          break;
+        }
+    }
+    reduced.push_back(r);
+  }
+  return reduced;
+}
+
+/// The inequalities become coordinates in the order given as long as they are independent enough; of equal normals the
+/// tightest one does.
+SmallMatrix add_inequalities(BlockBasis& basis, const EqualityPart& eq, const std::vector<LocalRow>& rows,
+                             double q_scale) {
+  const int size = static_cast<int>(eq.Q.cols());
+  basis.owner.assign(rows.size(), BlockBasis::kSurplus);
+  const std::vector<Reduced> reduced = reduce(basis, eq, rows, q_scale);
+  SmallMatrix N(0, size), span = eq.Q;
+  basis.coupling.resize(0, eq.Q.rows());
+  basis.length.resize(0);
+  basis.lower.resize(0);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    if (basis.owner[i] != BlockBasis::kSurplus || reduced[i].same_as != static_cast<int>(i)) continue;
+    if (span.rows() == size) break;
+    const SmallVector outside = project_off(span, reduced[i].normal);
+    if (outside.norm() < kLeastAngle) continue;
+    size_t tightest = i;
+    for (size_t j = i; j < rows.size(); ++j) {
+      if (reduced[j].same_as != static_cast<int>(i) || basis.owner[j] == BlockBasis::kRedundant) continue;
+      basis.owner[j] = static_cast<int>(basis.in.size());
+      if (reduced[j].lower > reduced[tightest].lower) tightest = j;
+    }
+    basis.in.push_back(rows[tightest]);
+    append_row(N, reduced[tightest].normal);
+    append_row(basis.coupling, SmallVector(eq.Q * rows[tightest].a));
+    append(basis.length, reduced[tightest].length);
+    append(basis.lower, reduced[tightest].lower);
+    append_row(span, outside.normalized());
+  }
+  return N;
+}
+
+/// Orthonormal rows that complete `span`, grown from the unit vectors farthest from it.
+SmallMatrix complete(SmallMatrix span) {
+  const auto size = span.cols();
+  SmallMatrix Z(0, size);
+  while (span.rows() < size) {
+    SmallVector best = SmallVector::Zero(size);
+    for (int k = 0; k < size; ++k) {
+      const SmallVector rest = project_off(span, SmallVector::Unit(size, k));
+      // A clear win only, so that rounding does not decide between equals.
+      if (rest.norm() > best.norm() * (1 + 1e-6)) best = rest;
+    }
+    append_row(Z, best.normalized());
+    append_row(span, best.normalized());
+  }
+  return Z;
+}
+
+}  // namespace
+
+BlockBasis make_block_basis(int size, const std::vector<LocalRow>& equalities,
+                            const std::vector<LocalRow>& inequalities, double q_scale) {
+  BlockBasis basis;
+  const EqualityPart eq = add_equalities(basis, size, equalities, q_scale);
+  const SmallMatrix N = add_inequalities(basis, eq, inequalities, q_scale);
+  SmallMatrix span = eq.Q;
+  for (int i = 0; i < N.rows(); ++i) append_row(span, project_off(span, N.row(i).transpose()).normalized());
+  const SmallMatrix Z = complete(span);
+  basis.T.resize(size, size);
+  basis.T.leftCols(eq.Q.rows()) = eq.Q.transpose();
+  if (N.rows() > 0) {
+    const MatX gram = N * N.transpose();
+    basis.T.middleCols(eq.Q.rows(), N.rows()) = gram.llt().solve(MatX(N)).transpose();
+  }
+  basis.T.rightCols(Z.rows()) = Z.transpose();
+  return basis;
+}
+
+}  // namespace crease

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "reduction.hpp"
+#include "sparse_cholesky.hpp"
+
+namespace crease {
+
+/// The equations of one working set of a ReducedQp,
+///   (H + epsilon I) u - rows^T lambda = f   on the coordinates not held,
+///   u = value                               on those held,
+///   rows u + delta lambda = rhs             on the rows that are on,
+/// solved from one sparse factorisation of H with the held coordinates masked (identity rows, so the pattern and its
+/// analysis stay). Rows, and coordinates whose state has changed since that factorisation, form a dense border:
+///   [ K  C ] [u]   [r]     K  masked H,  C = one column a border item,
+///   [ C' D ] [z] = [s]     T = D - C' K^-1 C  from forward half-solves Y = L^-1 C, kept until the next factorisation.
+/// delta > 0 keeps T regular when rows depend on one another; the caller removes its effect by iterating.
+class KktSystem {
+ public:
+  /// Call whenever the pattern of H has changed. @return false if the analysis failed
+  bool analyze(const ReducedQp& qp, BlockPattern& pattern);
+  /// Call whenever a value has changed; `qp` has to stay until the next call.
+  void reset(const ReducedQp& qp, double epsilon);
+
+  /// @return false if the matrix of this working set is singular to working precision
+  bool solve(const WorkingSet& set, const VecX& f, const VecX& value, const VecX& rhs, ReducedPoint& point);
+
+  double epsilon() const { return epsilon_; }
+  /// Softness of a row; 0 for one that has never been on.
+  double delta(int row) const { return delta_[row]; }
+  int factorizations() const { return factorizations_; }
+
+ private:
+  bool refresh(const WorkingSet& set);
+  bool factorize(const WorkingSet& set);
+  bool add_columns(const WorkingSet& set);
+  bool factorize_border();
+  int n_changed(const WorkingSet& set) const;
+  void fill_column(int item, Eigen::Ref<VecX> column) const;
+  double border_entry(int item_a, int item_b) const;
+  double at(int row, int column) const;
+
+  const ReducedQp* qp_ = nullptr;
+  double epsilon_ = 0;
+  VecX delta_;
+  SparseCholesky cholesky_;
+  SparseMatrix masked_;
+  bool factorized_ = false;
+  int factorizations_ = 0;
+  std::vector<char> base_;  ///< held at the last factorisation
+
+  // Border items are numbered like unknowns: coordinate i, then n + row.
+  std::vector<int> slot_of_;  ///< an item's column of Y_, -1 = none yet
+  int n_slots_ = 0;
+  MatX Y_, gram_;            ///< gram = Y^T Y
+  WorkingSet border_set_;    ///< the set the border below belongs to
+  std::vector<int> tied_;    ///< items with a multiplier: newly held coordinates and rows
+  std::vector<int> freed_;   ///< items with a displacement
+  MatX coupling_, coupled_;  ///< T between tied and freed; L_freed^-1 coupling^T
+  Eigen::LLT<MatX> freed_llt_;
+  Eigen::LDLT<MatX> tied_ldlt_;
+};
+
+}  // namespace crease

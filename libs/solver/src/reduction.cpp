@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+#include "reduction.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+namespace crease {
+namespace {
+
+using DenseMap = Eigen::Map<MatX>;
+
+/// A diagonal entry of H this small beside the others of its block is rounding of zero; scaling by it would blow the
+/// rounding up to a stiffness. Scaled by the block instead it stays what it is: singular, and seen as such.
+constexpr double kNoDiagonal = 1e-13;
+/// |part of a general row outside the fixed coordinates| / |row| below which the fixed coordinates decide the row.
+constexpr double kDecidedRow = 1e-10;
+/// Mismatch of constants that counts as rounding.
+constexpr double kMismatch = 1e-9;
+
+double max_abs(const VecX& v) {
+  return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+bool Reduction::build(const QpProblem& problem) {
+  pattern_changed_ = pattern_.update(problem);
+  if (pattern_changed_) qp_.H = pattern_.make_matrix();
+  n_eq_ = static_cast<int>(problem.b_eq.size());
+  n_in_ = static_cast<int>(problem.b_in.size());
+  const double largest = problem.H.nonZeros() == 0 ? 0.0 : problem.H.coeffs().abs().maxCoeff();
+  q_scale_ = std::max(max_abs(problem.b_eq), max_abs(problem.b_in));
+  if (largest > 0) q_scale_ = std::max(q_scale_, max_abs(problem.f) / largest);
+  const auto n_blocks = static_cast<size_t>(pattern_.n_blocks());
+  local_eq_.resize(n_blocks);
+  local_in_.resize(n_blocks);
+  for (auto* local : {&local_eq_, &local_in_})
+    for (auto& rows : *local) rows.clear();
+  general_.clear();
+  coordinate_of_.assign(static_cast<size_t>(n_in_), -1);
+  row_of_.assign(static_cast<size_t>(n_in_), -1);
+  sort_rows(problem.A_eq, problem.b_eq, true);
+  sort_rows(problem.A_in, problem.b_in, false);
+  if (!make_bases()) return false;
+  transform_H(problem.H);
+  qp_.f = problem.f.cwiseQuotient(scale_);
+  for (size_t k = 0; k < bases_.size(); ++k) {
+    const int start = pattern_.start(basis_block_[k]), size = pattern_.size(basis_block_[k]);
+    qp_.f.segment(start, size) = bases_[k].T.transpose() * problem.f.segment(start, size);
+  }
+  for (int i = 0; i < qp_.size(); ++i)
+    if (qp_.kind[i] != Coordinate::Free) qp_.bound[i] *= scale_[i];
+  return add_general_rows(problem);
+}
+
+/// Rows inside one block wait there for its basis; the others are general. A row of zeros is general too.
+void Reduction::sort_rows(const SparseRows& A, const VecX& b, bool equality) {
+  for (int i = 0; i < A.rows(); ++i) {
+    int block = -1;
+    bool local = true;
+    double squared = 0;
+    for (SparseRows::InnerIterator entry(A, i); entry; ++entry) {
+      if (entry.value() == 0) continue;
+      const int touched = pattern_.block_of(static_cast<int>(entry.col()));
+      local = local && (block < 0 || block == touched);
+      block = touched;
+      squared += entry.value() * entry.value();
+    }
+    if (!local || block < 0) {
+      general_.push_back({i, equality, 0, std::sqrt(squared)});
+      continue;
+    }
+    LocalRow row{i, std::sqrt(squared), SmallVector::Zero(pattern_.size(block)), 0};
+    for (SparseRows::InnerIterator entry(A, i); entry; ++entry)
+      if (entry.value() != 0) row.a[entry.col() - pattern_.start(block)] = entry.value() / row.norm;
+    row.b = b[i] / row.norm;
+    (equality ? local_eq_ : local_in_)[block].push_back(std::move(row));
+  }
+}
+
+bool Reduction::make_bases() {
+  const int n = pattern_.start(pattern_.n_blocks());
+  qp_.kind.assign(static_cast<size_t>(n), Coordinate::Free);
+  qp_.bound = VecX::Zero(n);
+  basis_of_.assign(static_cast<size_t>(pattern_.n_blocks()), -1);
+  bases_.clear();
+  basis_block_.clear();
+  for (int block = 0; block < pattern_.n_blocks(); ++block) {
+    const std::vector<LocalRow>&eq = local_eq_[block], &in = local_in_[block];
+    if (eq.empty() && in.empty()) continue;
+    BlockBasis basis = make_block_basis(pattern_.size(block), eq, in, q_scale_);
+    if (basis.conflict) return false;
+    int at = pattern_.start(block);
+    for (const double value : basis.fixed) qp_.kind[at] = Coordinate::Fixed, qp_.bound[at++] = value;
+    for (size_t i = 0; i < in.size(); ++i) {
+      if (basis.owner[i] >= 0) coordinate_of_[in[i].row] = at + basis.owner[i];
+      if (basis.owner[i] == BlockBasis::kSurplus) general_.push_back({in[i].row, false, 0, in[i].norm});
+    }
+    for (const double value : basis.lower) qp_.kind[at] = Coordinate::Bounded, qp_.bound[at++] = value;
+    basis_of_[block] = static_cast<int>(bases_.size());
+    basis_block_.push_back(block);
+    bases_.push_back(std::move(basis));
+  }
+  // Equalities first, then as in the problem.
+  std::sort(general_.begin(), general_.end(), [](const GeneralRow& a, const GeneralRow& b) {
+    return a.equality != b.equality ? a.equality : a.row < b.row;
+  });
+  return true;
+}
+
+/// H <- S^-1 T^T H T S^-1, block column by block column in place; S is left in scale_.
+void Reduction::transform_H(const SparseMatrix& H) {
+  double* values = qp_.H.valuePtr();
+  const int* outer = qp_.H.outerIndexPtr();
+  pattern_.gather(H, values);
+  scale_.resize(qp_.H.rows());
+  const double largest = H.nonZeros() == 0 ? 0.0 : H.coeffs().abs().maxCoeff();
+  const double fallback = largest > 0 ? largest : 1.0;
+  for (int k = 0; k < pattern_.n_blocks(); ++k) {
+    const int size = pattern_.size(k), start = pattern_.start(k);
+    DenseMap column(values + outer[start], pattern_.height(k), size);
+    int row = 0;
+    for (int at = pattern_.outer()[k]; at < pattern_.outer()[k + 1]; ++at) {
+      const int other = pattern_.inner()[at];
+      auto part = column.middleRows(row, pattern_.size(other));
+      if (basis_of_[other] >= 0) part = bases_[basis_of_[other]].T.transpose().lazyProduct(part).eval();
+      if (basis_of_[k] >= 0) part = part.lazyProduct(bases_[basis_of_[k]].T).eval();
+      if (other == k) scale_.segment(start, size) = part.diagonal();
+      row += pattern_.size(other);
+    }
+    auto scale = scale_.segment(start, size);
+    const double block_scale = scale.maxCoeff() > kNoDiagonal * largest ? scale.maxCoeff() : fallback;
+    for (double& s : scale) s = std::sqrt(s > kNoDiagonal * block_scale ? s : block_scale);
+  }
+  const VecX inverse = scale_.cwiseInverse();
+  for (int c = 0; c < qp_.H.cols(); ++c)
+    for (int at = outer[c]; at < outer[c + 1]; ++at) values[at] *= inverse[c] * inverse[qp_.H.innerIndexPtr()[at]];
+  for (size_t k = 0; k < bases_.size(); ++k) {
+    const int block = basis_block_[k];
+    bases_[k].T *= inverse.segment(pattern_.start(block), pattern_.size(block)).asDiagonal();
+  }
+}
+
+bool Reduction::add_general_rows(const QpProblem& problem) {
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<double> rhs;
+  std::vector<GeneralRow> kept;
+  const int n = qp_.size();
+  VecX a = VecX::Zero(n);
+  std::vector<int> blocks;
+  qp_.n_equalities = 0;
+  for (GeneralRow general : general_) {
+    const SparseRows& A = general.equality ? problem.A_eq : problem.A_in;
+    const double b = (general.equality ? problem.b_eq : problem.b_in)[general.row];
+    blocks.clear();
+    for (SparseRows::InnerIterator entry(A, general.row); entry; ++entry) {
+      a[entry.col()] = entry.value();
+      const int block = pattern_.block_of(static_cast<int>(entry.col()));
+      if (blocks.empty() || blocks.back() != block) blocks.push_back(block);
+    }
+    double fixed_value = 0, fixed_size = 0, open = 0, all = 0;
+    const size_t first = entries.size();
+    for (const int block : blocks) {
+      const int start = pattern_.start(block), size = pattern_.size(block);
+      SmallVector part = a.segment(start, size);
+      a.segment(start, size).setZero();
+      if (basis_of_[block] >= 0)
+        part = (bases_[basis_of_[block]].T.transpose() * part).eval();
+      else
+        part = part.cwiseQuotient(scale_.segment(start, size)).eval();
+      for (int i = 0; i < size; ++i) {
+        if (part[i] == 0) continue;
+        all += part[i] * part[i];
+        if (qp_.kind[start + i] != Coordinate::Fixed) open += part[i] * part[i];
+        const double value = qp_.kind[start + i] == Coordinate::Fixed ? part[i] * qp_.bound[start + i] : 0.0;
+        fixed_value += value;
+        fixed_size += std::abs(value);
+        entries.emplace_back(static_cast<int>(kept.size()), start + i, part[i]);
+      }
+    }
+    general.norm = std::sqrt(open);
+    if (open <= kDecidedRow * kDecidedRow * all) {
+      // Nothing left to choose: the row holds or it does not.
+      entries.resize(first);
+      const double slack = fixed_value - b;
+      const double tolerance = kMismatch * std::max({std::abs(b), fixed_size, general.size * q_scale_});
+      if (slack < -tolerance || (general.equality && slack > tolerance)) return false;
+      continue;
+    }
+    for (size_t k = first; k < entries.size(); ++k)
+      entries[k] = {entries[k].row(), entries[k].col(), entries[k].value() / general.norm};
+    rhs.push_back(b / general.norm);
+    if (general.equality) ++qp_.n_equalities;
+    if (!general.equality) row_of_[general.row] = static_cast<int>(kept.size());
+    kept.push_back(general);
+  }
+  general_ = std::move(kept);
+  qp_.rows.resize(static_cast<int>(general_.size()), n);
+  qp_.rows.setFromTriplets(entries.begin(), entries.end());
+  qp_.rhs = Eigen::Map<const VecX>(rhs.data(), static_cast<Eigen::Index>(rhs.size()));
+  qp_.unit.resize(n + qp_.n_rows());
+  qp_.unit.head(n) = scale_;
+  for (int k = 0; k < qp_.n_rows(); ++k) qp_.unit[n + k] = general_[k].size / general_[k].norm;
+  return true;
+}
+
+WorkingSet Reduction::start(std::span<const char> guess) const {
+  WorkingSet set;
+  set.held.assign(qp_.kind.size(), 0);
+  set.on.assign(static_cast<size_t>(qp_.n_rows()), 0);
+  std::fill(set.on.begin(), set.on.begin() + qp_.n_equalities, 1);
+  for (size_t i = 0; i < qp_.kind.size(); ++i)
+    set.held[i] = qp_.kind[i] == Coordinate::Fixed || (qp_.kind[i] == Coordinate::Bounded && guess.empty());
+  for (size_t i = 0; i < guess.size(); ++i) {
+    if (!guess[i]) continue;
+    if (coordinate_of_[i] >= 0) set.held[coordinate_of_[i]] = 1;
+    if (row_of_[i] >= 0) set.on[row_of_[i]] = 1;
+  }
+  return set;
+}
+
+std::vector<char> Reduction::active(const WorkingSet& set) const {
+  std::vector<char> active(static_cast<size_t>(n_in_), 0);
+  for (const BlockBasis& basis : bases_)
+    for (const LocalRow& row : basis.in) active[row.row] = set.held[coordinate_of_[row.row]];
+  for (int i = 0; i < n_in_; ++i)
+    if (row_of_[i] >= 0) active[i] = set.on[row_of_[i]];
+  return active;
+}
+
+VecX Reduction::to_q(const VecX& u) const {
+  VecX q = u.cwiseQuotient(scale_);
+  for (size_t k = 0; k < bases_.size(); ++k) {
+    const int start = pattern_.start(basis_block_[k]), size = pattern_.size(basis_block_[k]);
+    q.segment(start, size) = bases_[k].T * u.segment(start, size);
+  }
+  return q;
+}
+
+Multipliers Reduction::to_multipliers(const VecX& gradient, const VecX& row_lambda, const WorkingSet& set) const {
+  Multipliers lambda{VecX::Zero(n_eq_), VecX::Zero(n_in_)};
+  for (size_t k = 0; k < general_.size(); ++k) {
+    const double value = row_lambda[static_cast<int>(k)] / general_[k].norm;
+    (general_[k].equality ? lambda.eq : lambda.in)[general_[k].row] = value;
+  }
+  for (size_t k = 0; k < bases_.size(); ++k) {
+    const BlockBasis& basis = bases_[k];
+    const int start = pattern_.start(basis_block_[k]);
+    const auto n_eq = basis.fixed.size(), n_in = basis.lower.size();
+    // gradient in q = Q^T y + N^T g, and N.row(i) = (a_i - coupling.row(i) Q) / length_i.
+    SmallVector y = gradient.segment(start, n_eq).cwiseProduct(scale_.segment(start, n_eq));
+    for (int i = 0; i < n_in; ++i) {
+      const auto at = start + n_eq + i;
+      if (!set.held[at]) continue;
+      const double value = gradient[at] * scale_[at] / basis.length[i];
+      y -= basis.coupling.row(i).transpose() * value;
+      lambda.in[basis.in[i].row] = value / basis.in[i].norm;
+    }
+    basis.L.transpose().triangularView<Eigen::Upper>().solveInPlace(y);
+    for (int i = 0; i < n_eq; ++i) lambda.eq[basis.eq[i].row] = y[i] / basis.eq[i].norm;
+  }
+  return lambda;
+}
+
+}  // namespace crease

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "working_set_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace crease {
+namespace {
+
+/// Share of the largest unknown (force) by which a bound (multiplier) may miss its sign: what is left of rounding in a
+/// refined solution. Ties, where slack and multiplier are both zero, would flip for ever without it.
+constexpr double kTie = 1e-11;
+/// Block exchanges that may pass without fewer wrong signs. Cloth needs none; a cycle needs the backup.
+constexpr int kPatience = 6;
+/// Steps of the backup that count as one iteration: each changes one constraint only.
+constexpr int kSingleSteps = 20;
+constexpr int kRefinements = 2;
+
+template <class Vector>
+double max_abs(const Vector& v) {
+  return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+WorkingSetSearch::WorkingSetSearch(const ReducedQp& qp, KktSystem& kkt, int max_iterations)
+    : qp_(qp), kkt_(kkt), max_iterations_(max_iterations) {}
+
+SearchStatus WorkingSetSearch::run(const Anchor& anchor, WorkingSet& set, ReducedPoint& point) {
+  anchor_ = anchor;
+  return exchange_blocks(set, point);
+}
+
+VecX WorkingSetSearch::gradient(const ReducedPoint& point) const {
+  VecX g = qp_.H * point.u - qp_.f;
+  if (qp_.n_rows() > 0) g -= qp_.rows.transpose() * point.row_lambda;
+  return g;
+}
+
+/// Puts every wrong sign right at once, as long as that makes them fewer.
+SearchStatus WorkingSetSearch::exchange_blocks(WorkingSet& set, ReducedPoint& point) {
+  size_t fewest = std::numeric_limits<size_t>::max();
+  for (int patience = kPatience; patience >= 0;) {
+    if (iterations_ >= max_iterations_) return SearchStatus::IterationLimit;
+    ++iterations_;
+    if (!solve(set, point)) return SearchStatus::Singular;
+    std::vector<int> flips = wrong(set, signs(point));
+    if (flips.empty()) {
+      refine(set, point);
+      flips = wrong(set, signs(point));
+      if (flips.empty()) return SearchStatus::Optimal;
+    }
+    if (flips.size() < fewest) {
+      fewest = flips.size();
+      patience = kPatience;
+    } else {
+      --patience;
+    }
+    for (const int item : flips) state(set, item) ^= 1;
+  }
+  used_backup_ = true;
+  return ascend_dual(set, point);
+}
+
+/// Adds the most violated constraint, one at a time, and drops those that come to pull. Every constraint admitted
+/// raises the dual objective, so no working set comes back.                                              [GI83]
+SearchStatus WorkingSetSearch::ascend_dual(WorkingSet& set, ReducedPoint& point) {
+  SearchStatus status = make_dual_feasible(set, point);
+  while (status == SearchStatus::Optimal) {
+    refine(set, point);
+    const Signs sign = signs(point);
+    int worst = -1;
+    for (int i = 0; i < sign.slack.size(); ++i)
+      if (is_inequality(i) && !state(set, i) && sign.slack[i] < sign.least_slack[i] &&
+          (worst < 0 || sign.slack[i] < sign.slack[worst]))
+        worst = i;
+    if (worst < 0) return SearchStatus::Optimal;
+    status = admit(worst, sign.lambda, set, point);
+  }
+  return status;
+}
+
+SearchStatus WorkingSetSearch::make_dual_feasible(WorkingSet& set, ReducedPoint& point) {
+  for (bool dropped = true; dropped;) {
+    if (iterations_ >= max_iterations_) return SearchStatus::IterationLimit;
+    ++iterations_;
+    if (!solve(set, point)) return SearchStatus::Singular;
+    const Signs sign = signs(point);
+    dropped = false;
+    for (int i = 0; i < sign.lambda.size(); ++i) {
+      if (!is_inequality(i) || !state(set, i) || sign.lambda[i] >= sign.least_lambda[i]) continue;
+      state(set, i) = 0;
+      dropped = true;
+    }
+  }
+  return SearchStatus::Optimal;
+}
+
+/// Moves the multipliers from those of `set` towards those of `set` with `item`; where one would turn negative first,
+/// its constraint leaves and the move goes on from there.
+SearchStatus WorkingSetSearch::admit(int item, const VecX& start_lambda, WorkingSet& set, ReducedPoint& point) {
+  VecX lambda = start_lambda.cwiseMax(0.0);
+  lambda[item] = 0;
+  state(set, item) = 1;
+  for (;;) {
+    if (++single_iterations_ % kSingleSteps == 0) ++iterations_;
+    if (iterations_ >= max_iterations_) return SearchStatus::IterationLimit;
+    if (!solve(set, point)) return SearchStatus::Singular;
+    const Signs sign = signs(point);
+    double step = 1;
+    int blocking = -1;
+    for (int i = 0; i < lambda.size(); ++i) {
+      if (i == item || !is_inequality(i) || !state(set, i) || sign.lambda[i] >= sign.least_lambda[i]) continue;
+      const double until_zero = lambda[i] / (lambda[i] - sign.lambda[i]);
+      if (until_zero < step) step = until_zero, blocking = i;
+    }
+    if (blocking < 0) return SearchStatus::Optimal;
+    for (int i = 0; i < lambda.size(); ++i)
+      if (is_inequality(i) && state(set, i)) lambda[i] = std::max(0.0, lambda[i] + step * (sign.lambda[i] - lambda[i]));
+    state(set, blocking) = 0;
+    lambda[blocking] = 0;
+  }
+}
+
+bool WorkingSetSearch::solve(const WorkingSet& set, ReducedPoint& point) {
+  VecX f = qp_.f, rhs = qp_.rhs;
+  if (kkt_.epsilon() > 0) f += kkt_.epsilon() * anchor_.u;
+  // A row gets its softness when it is first on; until then its anchor is zero.
+  for (int w = 0; w < qp_.n_rows(); ++w) rhs[w] += kkt_.delta(w) * anchor_.row_lambda[w];
+  return kkt_.solve(set, f, qp_.bound, rhs, point);
+}
+
+/// Solves again for what is left of the equations of `set`.
+void WorkingSetSearch::refine(const WorkingSet& set, ReducedPoint& point) {
+  const VecX nothing = VecX::Zero(qp_.size());
+  for (int pass = 0; pass < kRefinements; ++pass) {
+    VecX rest = -gradient(point);
+    if (kkt_.epsilon() > 0) rest -= kkt_.epsilon() * (point.u - anchor_.u);
+    VecX row_rest = qp_.rhs - qp_.rows * point.u;
+    for (int w = 0; w < qp_.n_rows(); ++w) row_rest[w] -= kkt_.delta(w) * (point.row_lambda[w] - anchor_.row_lambda[w]);
+    ReducedPoint correction;
+    if (!kkt_.solve(set, rest, nothing, row_rest, correction)) return;
+    point.u += correction.u;
+    point.row_lambda += correction.row_lambda;
+  }
+}
+
+WorkingSetSearch::Signs WorkingSetSearch::signs(const ReducedPoint& point) const {
+  const int n = qp_.size();
+  const int m = qp_.n_rows();
+  Signs sign{VecX(n + m), VecX(n + m), VecX(), VecX()};
+  sign.lambda << gradient(point), point.row_lambda;
+  if (kkt_.epsilon() > 0) sign.lambda.head(n) += kkt_.epsilon() * (point.u - anchor_.u);
+  sign.slack << point.u - qp_.bound, qp_.rows * point.u - qp_.rhs;
+  for (int w = 0; w < m; ++w) sign.slack[n + w] += kkt_.delta(w) * (point.row_lambda[w] - anchor_.row_lambda[w]);
+  // Both scales are those of the unknowns and forces as given; `unit` takes them to each coordinate and row.
+  const auto unit = qp_.unit.head(n);
+  const double f = max_abs(qp_.f.cwiseProduct(unit));
+  const double force = std::max(f, max_abs(VecX((sign.lambda.head(n) + qp_.f).cwiseProduct(unit))));
+  const double q =
+      std::max({max_abs(point.u.cwiseQuotient(unit)), max_abs(qp_.bound.cwiseQuotient(unit)),
+                max_abs(qp_.rhs.cwiseQuotient(qp_.unit.tail(m))), n > 0 ? f / std::pow(unit.maxCoeff(), 2) : 0.0});
+  const double tiny = std::numeric_limits<double>::min();
+  sign.least_slack = -(kTie * q) * qp_.unit - VecX::Constant(n + m, tiny);
+  sign.least_lambda = -(kTie * force) * qp_.unit.cwiseInverse() - VecX::Constant(n + m, tiny);
+  return sign;
+}
+
+std::vector<int> WorkingSetSearch::wrong(const WorkingSet& set, const Signs& sign) const {
+  const int n = qp_.size();
+  std::vector<int> items;
+  for (int i = 0; i < sign.slack.size(); ++i) {
+    if (!is_inequality(i)) continue;
+    const bool active = i < n ? set.held[i] : set.on[i - n];
+    if (active ? sign.lambda[i] < sign.least_lambda[i] : sign.slack[i] < sign.least_slack[i]) items.push_back(i);
+  }
+  return items;
+}
+
+bool WorkingSetSearch::is_inequality(int item) const {
+  const int n = qp_.size();
+  return item < n ? qp_.kind[item] == Coordinate::Bounded : item - n >= qp_.n_equalities;
+}
+
+char& WorkingSetSearch::state(WorkingSet& set, int item) const {
+  const int n = qp_.size();
+  return item < n ? set.held[item] : set.on[item - n];
+}
+
+}  // namespace crease
