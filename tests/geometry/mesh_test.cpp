@@ -60,6 +60,18 @@ TEST(Mesh, RefusesFacesThatMeetInOneVertexOnly) {
   EXPECT_NE(complaint(X, {{0, 1, 2}, {0, 3, 4}}).find("vertex 0 non-manifold"), std::string::npos);
 }
 
+TEST(Mesh, RefusesFacesThatGoRoundAVertexTwice) {
+  // Six triangles of 120 degrees each: every one is fine, and every edge has two faces.
+  std::vector<Vec2> X = {{0, 0}};
+  std::vector<std::array<int, 3>> faces;
+  for (int i = 0; i < 6; ++i) {
+    const double angle = i * 2 * std::numbers::pi / 3, radius = 1 + 0.1 * i;
+    X.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+    faces.push_back({0, 1 + i, 1 + (i + 1) % 6});
+  }
+  EXPECT_NE(complaint(X, faces).find("round vertex 0 more than once"), std::string::npos);
+}
+
 TEST(Mesh, RefusesNumbersThatAreNotFiniteAndArraysThatDiffer) {
   auto X = square;
   X[2].x() = std::numeric_limits<double>::quiet_NaN();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <tuple>
 
 #include "crease/base/require.hpp"
@@ -18,40 +19,48 @@ struct DirectedEdge {
   bool operator<(const DirectedEdge& o) const { return std::tie(from, to, h) < std::tie(o.from, o.to, o.h); }
 };
 
-std::string face_text(int f) {
-  return "Mesh: face " + std::to_string(f);
+/// Messages are made only once something is wrong: require() would build one a face.
+[[noreturn]] void refuse(const std::string& what) {
+  throw std::invalid_argument("Mesh: " + what);
+}
+
+[[noreturn]] void refuse_face(int f, const std::string& what) {
+  refuse("face " + std::to_string(f) + " " + what);
 }
 
 }  // namespace
 
 Mesh::Mesh(std::vector<Vec2> material, std::vector<Vec3> world, const std::vector<std::array<int, 3>>& faces)
     : X(std::move(material)), x(std::move(world)), faces_(faces) {
-  require(X.size() == x.size(), "Mesh: expected as many material as world positions, got " + std::to_string(X.size()) +
-                                    " and " + std::to_string(x.size()));
+  if (X.size() != x.size()) {
+    refuse("expected as many material as world positions, got " + std::to_string(X.size()) + " and " +
+           std::to_string(x.size()));
+  }
   constexpr auto limit = static_cast<std::size_t>(std::numeric_limits<int>::max() / 3);
-  require(faces.size() < limit && X.size() < limit, "Mesh: more vertices or faces than an int can number");
+  if (faces.size() >= limit || X.size() >= limit) refuse("more vertices or faces than an int can number");
   n_vertices_ = vertex_slots();
   n_faces_ = face_slots();
   for (int v = 0; v < n_vertices_; ++v) {
-    require(X[v].allFinite() && x[v].allFinite(), "Mesh: vertex " + std::to_string(v) + " has a position not finite");
+    if (!X[v].allFinite() || !x[v].allFinite()) refuse("vertex " + std::to_string(v) + " has a position not finite");
   }
   for (int f = 0; f < n_faces_; ++f) require_face(f);
-  connect();
+  pair_halfedges();
+  anchor_vertices();
 }
 
 void Mesh::require_face(int f) const {
   const auto& [a, b, c] = faces_[f];
   for (const int v : {a, b, c}) {
-    require(v >= 0 && v < vertex_slots(),
-            face_text(f) + " names vertex " + std::to_string(v) + " of " + std::to_string(vertex_slots()));
+    if (v >= 0 && v < vertex_slots()) continue;
+    refuse_face(f, "names vertex " + std::to_string(v) + " of " + std::to_string(vertex_slots()));
   }
-  require(a != b && b != c && c != a, face_text(f) + " names a vertex twice");
+  if (a == b || b == c || c == a) refuse_face(f, "names a vertex twice");
   const double area = material_area(f);
-  require(area != 0, face_text(f) + " has no area in material space");
-  require(area > 0, face_text(f) + " is inverted in material space: expected counter-clockwise corners");
+  if (area == 0) refuse_face(f, "has no area in material space");
+  if (!(area > 0)) refuse_face(f, "is inverted in material space: expected counter-clockwise corners");
 }
 
-void Mesh::connect() {
+void Mesh::pair_halfedges() {
   std::vector<DirectedEdge> directed;
   directed.reserve(3 * faces_.size());
   for (int h = 0; h < 3 * face_slots(); ++h) directed.push_back({from(h), to(h), h});
@@ -62,29 +71,52 @@ void Mesh::connect() {
     const auto &p = directed[i - 1], &q = directed[i];
     if (p.from == q.from && p.to == q.to && (repeated == none || q.h / 3 < repeated)) repeated = q.h / 3;
   }
-  require(repeated == none,
-          face_text(repeated) + " makes an edge non-manifold: another face runs along it the same way");
-
+  if (repeated != none) {
+    refuse_face(repeated, "makes an edge non-manifold: another face runs along it the same way");
+  }
   twin_.assign(directed.size(), none);
   tag_.assign(directed.size(), 0);
-  vertex_halfedge_.assign(X.size(), none);
-  std::vector<int> n_incident(X.size(), 0);
   for (const DirectedEdge& e : directed) {
     const auto found = std::lower_bound(directed.begin(), directed.end(), DirectedEdge{e.to, e.from, none});
     if (found != directed.end() && found->from == e.to && found->to == e.from) twin_[e.h] = found->h;
-    ++n_incident[e.from];
   }
-  for (int h = 0; h < static_cast<int>(directed.size()); ++h) {
+}
+
+void Mesh::anchor_vertices() {
+  vertex_halfedge_.assign(X.size(), none);
+  std::vector<int> n_incident(X.size(), 0);
+  for (int h = 0; h < 3 * face_slots(); ++h) {
+    ++n_incident[from(h)];
     if (vertex_halfedge_[from(h)] == none) anchor(h);
   }
-  for (int v = 0; v < n_vertices_; ++v)
-    require(n_incident[v] > 0, "Mesh: vertex " + std::to_string(v) + " is in no face");
+  std::vector<bool> one_fan(X.size(), false), once(X.size(), false);
+  for (int v = 0; v < n_vertices_; ++v) {
+    if (n_incident[v] == 0) refuse("vertex " + std::to_string(v) + " is in no face");
+    one_fan[v] = static_cast<int>(outgoing(v).size()) == n_incident[v];
+    once[v] = winds_once(v);
+  }
   for (int f = 0; f < n_faces_; ++f) {
     for (const int v : faces_[f]) {
-      require(static_cast<int>(outgoing(v).size()) == n_incident[v],
-              face_text(f) + " makes vertex " + std::to_string(v) + " non-manifold: its faces form more than one fan");
+      const std::string name = one_fan[v] && once[v] ? "" : std::to_string(v);
+      if (!one_fan[v]) refuse_face(f, "makes vertex " + name + " non-manifold: its faces form more than one fan");
+      if (!once[v])
+        refuse_face(f, "is one of those that go round vertex " + name + " more than once in material space");
     }
   }
+}
+
+bool Mesh::winds_once(int v) const {
+  if (is_border_vertex(v)) return true;
+  // One turn enters the upper half plane once, and each step turns by less than half a turn.
+  const auto around = neighbours(v);
+  int entered = 0;
+  bool below = X[around.back()].y() < X[v].y();
+  for (const int i : around) {
+    const bool now_below = X[i].y() < X[v].y();
+    entered += below && !now_below ? 1 : 0;
+    below = now_below;
+  }
+  return entered == 1;
 }
 
 bool Mesh::is_border_vertex(int v) const {

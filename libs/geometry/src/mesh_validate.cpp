@@ -45,6 +45,7 @@ std::optional<std::string> Mesh::vertex_trouble(int v, int n_incident) const {
   if (open != (twin_[first] == none)) return name + " on the border is not anchored to its first half-edge";
   std::sort(seen.begin(), seen.end());
   if (std::adjacent_find(seen.begin(), seen.end()) != seen.end()) return name + " meets a neighbour twice";
+  if (!winds_once(v)) return name + " has faces that go round it more than once";
   return std::nullopt;
 }
 

@@ -19,10 +19,10 @@ namespace crease {
 /// A mesh edge between two neighbours on an obstacle edge carries the mesh tag `edge_tag(feature of that edge)`.
 struct Cloth {
   Mesh mesh;
-  std::vector<Vec3> v;                 ///< xdot: velocity of the vertex [m/s]
-  std::vector<Vec2> V;                 ///< Xdot: material velocity of the vertex [m/s]; zero unless EOL
-  std::vector<FeatureId> feature;      ///< kind None = Lagrangian
-  std::vector<std::uint64_t> pins;     ///< bit k set: held by pin k; such a vertex is never removed
+  std::vector<Vec3> v;              ///< xdot: velocity of the vertex [m/s]
+  std::vector<Vec2> V;              ///< Xdot: material velocity of the vertex [m/s]; zero unless EOL
+  std::vector<FeatureId> feature;   ///< kind None = Lagrangian
+  std::vector<std::uint64_t> pins;  ///< bit k set: held by pin k; such a vertex is never removed
 
   bool is_eol(int vertex) const { return feature[vertex].kind != FeatureKind::None; }
   int n_eol() const;

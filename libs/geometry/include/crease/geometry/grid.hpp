@@ -12,11 +12,11 @@ namespace crease {
 enum class GridPattern { Cross, Alternating, Right, Irregular };
 
 struct GridOptions {
-  Vec2 size{1, 1};                     ///< material size [m]
+  Vec2 size{1, 1};  ///< material size [m]
   std::array<int, 2> cells{10, 10};
   GridPattern pattern = GridPattern::Cross;
-  std::uint64_t seed = 1;              ///< Irregular only; same seed, same mesh on every machine
-  Vec3 origin = Vec3::Zero();          ///< world = origin + U u + V v
+  std::uint64_t seed = 1;      ///< Irregular only; same seed, same mesh on every machine
+  Vec3 origin = Vec3::Zero();  ///< world = origin + U u + V v
   Vec3 u{1, 0, 0}, v{0, 1, 0};
 };
 

@@ -11,7 +11,7 @@
 
 namespace crease {
 
-/// Index-based triangle mesh that lives in two spaces: material positions X (the cloth lying flat) and world positions x.
+/// Index-based triangle mesh that lives in two spaces: material positions X (the cloth lying flat), world positions x.
 ///
 /// Representation. Face f holds three vertices counter-clockwise in material space. Half-edge h = 3 f + k runs from
 /// corner k of face f to corner (k+1) % 3. `twin(h)` is the half-edge of the neighbouring face that runs the other way,
@@ -19,7 +19,7 @@ namespace crease {
 /// (min(h, twin)). Vertices and faces are removed by marking and their slots are not reused until `compact()`, so ids
 /// stay valid through a remeshing pass. Every operation is deterministic.
 ///
-/// Invariants, checked by `validate()`: edge-manifold with at most one border fan a vertex, consistent orientation,
+/// Invariants, checked by `validate()`: edge-manifold with one fan of faces a vertex that goes round it at most once,
 /// every live face has positive material area, twins agree, tags agree on both sides, no vertex without a face.
 class Mesh {
  public:
@@ -27,7 +27,7 @@ class Mesh {
 
   Mesh() = default;
   /// @pre X.size() == x.size(); throws std::invalid_argument naming the first face that is out of range, repeated,
-  ///      inverted or of zero area in material space, or that makes the mesh non-manifold.
+  ///      inverted or of zero area in material space, or that makes the mesh non-manifold; a vertex in no face too.
   Mesh(std::vector<Vec2> material, std::vector<Vec3> world, const std::vector<std::array<int, 3>>& faces);
 
   // -- sizes and liveness (slots include removed entries until compact()) ---------------------------------------------
@@ -64,8 +64,8 @@ class Mesh {
   std::vector<int> edges() const;
 
   // -- material geometry ---------------------------------------------------------------------------------------------
-  double material_area(int f) const;                 ///< signed, positive for a valid face [m^2]
-  double material_length(int h) const;               ///< [m]
+  double material_area(int f) const;    ///< signed, positive for a valid face [m^2]
+  double material_length(int h) const;  ///< [m]
   /// Angle by which the border turns at a border vertex: 0 on a straight border, pi/2 at the corner of a square [rad].
   double border_turn(int v) const;
   /// Border vertex where the border turns by more than `angle` [rad]: never moved, collapsed or made Eulerian.
@@ -80,8 +80,8 @@ class Mesh {
   // below 1e-9 of the longest edge is what three points of a straight border leave behind after rounding.
   /// What a split made.
   struct Split {
-    int vertex;                     ///< the new vertex
-    std::vector<int> faces;         ///< every face that is new or changed
+    int vertex;              ///< the new vertex
+    std::vector<int> faces;  ///< every face that is new or changed
   };
   /// Splits edge h at from + t (to - from), 0 < t < 1, in both spaces. Both halves inherit the tag; the one or two new
   /// inner edges have none. The surface does not change. The half towards from(h) keeps the slot h.
@@ -97,9 +97,9 @@ class Mesh {
   std::array<int, 2> flip(int h);  ///< the two faces, both changed
   /// What a collapse did.
   struct Collapse {
-    int vertex;                     ///< the vertex that went
+    int vertex;  ///< the vertex that went
     int into;
-    std::vector<int> faces;         ///< live faces that changed (around `into`)
+    std::vector<int> faces;  ///< live faces that changed (around `into`)
     std::vector<int> removed_faces;
   };
   /// Removes from(h), moving its edges to to(h). False if the link condition fails, if a border vertex would leave the
@@ -130,18 +130,20 @@ class Mesh {
   int add_face(int a, int b, int c);
   int add_vertex(const Vec2& material, const Vec3& world);
   void remove_face(int f);
-  void link(int h, int g);                 // makes h and g twins; g may be none
-  void move_side(int from_h, int to_h);    // hands twin and tag of one half-edge over to another
-  void anchor(int h);                      // makes h, or the first half-edge clockwise of it, halfedge(from(h))
+  void link(int h, int g);               // makes h and g twins; g may be none
+  void move_side(int from_h, int to_h);  // hands twin and tag of one half-edge over to another
+  void anchor(int h);                    // makes h, or the first half-edge clockwise of it, halfedge(from(h))
   void require_face(int f) const;
-  void connect();                          // twins and vertex_halfedge_ from faces_; throws on non-manifold input
+  void pair_halfedges();         // twins from faces_; throws if an edge is not manifold
+  void anchor_vertices();        // vertex_halfedge_ from twins; throws if a vertex is not manifold
+  bool winds_once(int v) const;  // whether the faces of an interior vertex go round it once
   bool tags_allow_collapse(int vertex, int into) const;
   bool links_allow_collapse(int vertex, int into) const;
   std::optional<std::string> face_trouble(int f) const;
   std::optional<std::string> vertex_trouble(int v, int n_incident) const;
 
   std::vector<std::array<int, 3>> faces_;
-  std::vector<int> twin_, tag_;          // one entry a half-edge
+  std::vector<int> twin_, tag_;  // one entry a half-edge
   std::vector<int> vertex_halfedge_;
   int n_vertices_ = 0, n_faces_ = 0;
 };

@@ -9,8 +9,8 @@
 namespace crease {
 
 /// Twice the signed area of abc, positive if counter-clockwise. The sign is exact for finite coordinates (a rounded
-/// determinant is accepted only when its error bound allows it, else the sum is redone without rounding), so two callers
-/// never disagree about which side of a line a point is on.                                  [SHEWCHUK97]
+/// determinant is accepted only when its error bound allows it, else the sum is redone without rounding), so two
+/// callers never disagree about which side of a line a point is on.                                  [SHEWCHUK97]
 double orient2d(const Vec2& a, const Vec2& b, const Vec2& c);
 
 /// Deformation gradient F = Dx DX^-1 of a triangle, 3x2.                                     [WEIDNER18, Eq. 3]
