@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "fcl_bridge.hpp"
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <utility>
+
+// Its fit() must be known before the tree's templates that call it.
+#include <fcl/math/bv/utility.h>
+
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/box.h>
+#include <fcl/narrowphase/detail/gjk_solver_libccd.h>
+
+#include "crease/base/require.hpp"
+#include "crease/collision/separation.hpp"
+
+// FCL's objects hold Eigen members. Built with AVX, ours would be laid out otherwise than those of the installed
+// library, and nothing but wrong numbers would tell.
+static_assert(EIGEN_MAX_STATIC_ALIGN_BYTES == 16,
+              "build without -march flags: FCL's layout depends on Eigen's alignment");
+
+namespace crease {
+
+struct FaceTree::Impl {
+  std::vector<int> face_ids;                  // live faces, ascending; FCL's triangle k is face_ids[k]
+  std::vector<std::array<int, 3>> triangles;  // their vertices
+  std::size_t n_points = 0;
+  std::unique_ptr<fcl::BVHModel<fcl::AABBd>> model;  // none without faces: FCL refuses an empty model
+};
+
+FaceTree::FaceTree() : impl_(std::make_unique<Impl>()) {}
+FaceTree::~FaceTree() = default;
+FaceTree::FaceTree(FaceTree&&) noexcept = default;
+FaceTree& FaceTree::operator=(FaceTree&&) noexcept = default;
+
+void FaceTree::update(const Mesh& mesh) {
+  std::vector<int> ids;
+  std::vector<std::array<int, 3>> triangles;
+  for (int f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.face_live(f)) continue;
+    ids.push_back(f);
+    triangles.push_back(mesh.face(f));
+  }
+  const bool same = ids == impl_->face_ids && triangles == impl_->triangles && mesh.x.size() == impl_->n_points;
+  impl_->face_ids = std::move(ids);
+  impl_->triangles = std::move(triangles);
+  impl_->n_points = mesh.x.size();
+  if (impl_->triangles.empty()) {
+    impl_->model.reset();
+    return;
+  }
+  if (same && impl_->model) {
+    impl_->model->beginReplaceModel();
+    impl_->model->replaceSubModel(mesh.x);
+    impl_->model->endReplaceModel(/*refit=*/true, /*bottomup=*/true);
+    return;
+  }
+  std::vector<fcl::Triangle> indices;
+  indices.reserve(impl_->triangles.size());
+  for (const auto& t : impl_->triangles) {
+    indices.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
+                         static_cast<std::size_t>(t[2]));
+  }
+  impl_->model = std::make_unique<fcl::BVHModel<fcl::AABBd>>();
+  impl_->model->beginModel(static_cast<int>(indices.size()), static_cast<int>(mesh.x.size()));
+  impl_->model->addSubModel(mesh.x, indices);
+  impl_->model->endModel();
+}
+
+std::vector<int> FaceTree::overlapping(const Eigen::AlignedBox3d& bounds) const {
+  std::vector<int> found;
+  if (!impl_->model || bounds.isEmpty()) return found;
+  const fcl::AABBd box(bounds.min(), bounds.max());
+  std::vector<int> stack{0};
+  while (!stack.empty()) {
+    const auto& node = impl_->model->getBV(stack.back());
+    stack.pop_back();
+    if (!node.bv.overlap(box)) continue;
+    if (node.isLeaf()) {
+      found.push_back(impl_->face_ids[static_cast<std::size_t>(node.primitiveId())]);
+    } else {
+      stack.push_back(node.leftChild());
+      stack.push_back(node.rightChild());
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::optional<double> triangle_distance(const std::array<Vec3, 3>& triangle, const PosedObstacle& obstacle) {
+  require(obstacle.shape != nullptr, "triangle_distance: expected an obstacle with a shape");
+  if (obstacle.shape->kind != ObstacleShape::Kind::Box) return std::nullopt;
+  const fcl::Boxd box(2 * obstacle.shape->half_size);
+  fcl::Transform3d pose = fcl::Transform3d::Identity();
+  pose.linear() = obstacle.pose.rotation;
+  pose.translation() = obstacle.pose.position;
+  fcl::detail::GJKSolver_libccdd solver;
+  solver.distance_tolerance = 1e-10;  // on the squared distance, as it seems: leaves about 1e-9 m
+  solver.max_distance_iterations = 1000;
+  double distance = 0;
+  try {
+    const bool apart =
+        solver.shapeTriangleDistance(box, pose, triangle[0], triangle[1], triangle[2], &distance, nullptr, nullptr);
+    return apart ? std::max(distance, 0.0) : 0.0;
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace crease

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include "narrow_phase.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cone.hpp"
+#include "crease/geometry/triangle.hpp"
+#include "surface.hpp"
+
+namespace crease {
+namespace {
+
+// Closest points count as inside a segment or face up to this fraction of it: round-off when a feature passes exactly
+// through a cloth vertex, so that at least one of the edges or faces there reports it.
+constexpr double interval_slack = 1e-9;
+
+// Two edges nearer to parallel than this have no closest points worth the name: sine of 2 degrees.
+constexpr double parallel_sine = 0.0349;
+
+// |distance| against the way out by a face: the tolerated normal stands up to 2 degrees off the cone, and
+// 1 / cos(2 degrees) = 1.0006; coordinates of a metre carry round-off far below 1e-9 m.
+constexpr double way_out_slack = 1e-3, way_out_round_off = 1e-9;
+
+// Barycentric coordinates of the foot of p on the plane of a triangle with positive area.
+Vec3 foot_weights(const std::array<Vec3, 3>& x, const Vec3& p) {
+  const Vec3 normal = (x[1] - x[0]).cross(x[2] - x[0]);
+  const Vec3 weights(normal.dot((x[1] - p).cross(x[2] - p)), normal.dot((x[2] - p).cross(x[0] - p)),
+                     normal.dot((x[0] - p).cross(x[1] - p)));
+  return weights / normal.squaredNorm();
+}
+
+}  // namespace
+
+// The mesh moves with xdot, for an EOL vertex too; relative to the obstacle taken as a rigid frame.
+Vec3 NarrowPhase::relative_velocity(int vertex) const {
+  const auto i = static_cast<std::size_t>(vertex);
+  return cloth_.v[i] - obstacle_.source.pose.velocity_at(cloth_.mesh.x[i]);
+}
+
+double NarrowPhase::reach(const Vec3& velocity) const {
+  return options_.threshold + options_.look_ahead * velocity.norm();
+}
+
+bool NarrowPhase::on_feature(int vertex, FeatureKind kind, int index) const {
+  return cloth_.feature[static_cast<std::size_t>(vertex)] == FeatureId{obstacle_.index, kind, index};
+}
+
+Contact NarrowPhase::make_contact(ContactType type, const Vec3& point, const Vec3& normal, double distance) const {
+  Contact contact;
+  contact.type = type;
+  contact.obstacle = obstacle_.index;
+  contact.point = point;
+  contact.normal = normal;
+  contact.distance = distance;
+  contact.velocity = obstacle_.source.pose.velocity_at(point);
+  return contact;
+}
+
+// A vertex on the rim itself (see rim_tolerance) has no direction from it. Any normal of the cone keeps it out of the
+// solid, since a n1 + b n2 with a, b >= 0 can only grow if one of the two does; both rows at once would lock the cloth
+// (paper, Fig. 3a). The cloth's own normal, turned to the obstacle's outside and limited to the cone, is the one that
+// pushes a flat sheet nowhere but off the face it lies on.
+Vec3 NarrowPhase::rim_normal(int vertex, std::span<const Vec3> normals, const Vec3& mean) const {
+  Vec3 sum = Vec3::Zero();  // area-weighted
+  for (const int h : cloth_.mesh.outgoing(vertex)) {
+    const auto x = world_corners(cloth_.mesh, Mesh::face_of(h));
+    sum += (x[1] - x[0]).cross(x[2] - x[0]);
+  }
+  const double length = sum.norm(), side = sum.dot(mean);
+  if (!(std::abs(side) > cone_tolerance * length)) return mean;  // upright or degenerate: the cloth has no say
+  return nearest_in_cone(normals, (side < 0 ? -1.0 : 1.0) / length * sum);
+}
+
+// A vertex that rides on a feature of a convex shape is held out of it by that feature's own normals.
+std::optional<Contact> NarrowPhase::vertex_face(int vertex) const {
+  const auto& own = cloth_.feature[static_cast<std::size_t>(vertex)];
+  if (own.kind != FeatureKind::None && own.obstacle == obstacle_.index) return std::nullopt;
+  const Vec3& x = cloth_.mesh.x[static_cast<std::size_t>(vertex)];
+  const auto nearest = nearest_on_surface(obstacle_.source, x);
+  if (!nearest || nearest->distance > reach(relative_velocity(vertex))) return std::nullopt;
+  Vec3 normal = nearest->normal;
+  if (nearest->n_rim > 0) {
+    normal =
+        rim_normal(vertex, std::span(nearest->rim_normals.data(), static_cast<std::size_t>(nearest->n_rim)), normal);
+  }
+  Contact contact = make_contact(ContactType::VertexFace, nearest->point, normal, nearest->distance);
+  contact.n_vertices = 1;
+  contact.vertices[0] = vertex;
+  contact.weights[0] = 1;
+  return contact;
+}
+
+// A gap has to be in reach, no more. A penetration has to be a way out of the solid: an edge of the far side of a thin
+// plate lies in the cone too, but the cloth it would push out downwards is not even inside. So the piece of cloth must
+// reach below every face that looks away from the normal by as much as it is to be moved. When the penetration is
+// deeper than what is in reach, the same is asked of all faces (but those at the ends of the edge): a cloth that stabs
+// through the middle of a face is then left to that face. Shapes without a surface have no inside: far behind a tip is
+// far.
+bool NarrowPhase::is_way_out(double distance, double reach, const Vec3& normal, std::span<const Vec3> points,
+                             const Vec3& along) const {
+  if (distance >= 0) return distance <= reach;
+  if (obstacle_.faces.empty()) return -distance <= reach;
+  for (const FacePlane& face : obstacle_.faces) {
+    if (-distance <= reach ? face.normal.dot(normal) > -cone_tolerance : std::abs(face.normal.dot(along)) > 0.5)
+      continue;
+    double depth = 0;
+    for (const Vec3& p : points) depth = std::max(depth, face.offset - face.normal.dot(p));
+    if (-distance > (1 + way_out_slack) * depth + way_out_round_off) return false;
+  }
+  return true;
+}
+
+std::optional<Contact> NarrowPhase::edge_edge(int halfedge, int edge) const {
+  const PlacedEdge& e = obstacle_.edges[static_cast<std::size_t>(edge)];
+  const std::array<int, 2> ends{cloth_.mesh.from(halfedge), cloth_.mesh.to(halfedge)};
+  const std::array<Vec3, 2> x{cloth_.mesh.x[static_cast<std::size_t>(ends[0])],
+                              cloth_.mesh.x[static_cast<std::size_t>(ends[1])]};
+  // Position along the obstacle's edge, and across it: the common normal is orthogonal to the edge, so that the closest
+  // points are found in the plane across it, where the edge is the origin.
+  const std::array<double, 2> along{(x[0] - e.a).dot(e.tangent), (x[1] - e.a).dot(e.tangent)};
+  const double slack = interval_slack * e.length;
+  if (std::max(along[0], along[1]) < -slack || std::min(along[0], along[1]) > e.length + slack) return std::nullopt;
+  const Vec3 start = x[0] - e.a - along[0] * e.tangent;
+  const Vec3 across = x[1] - e.a - along[1] * e.tangent - start;
+  const double across2 = across.squaredNorm(), toward = -start.dot(across);
+  if (toward < -interval_slack * across2 || toward > (1 + interval_slack) * across2) return std::nullopt;
+  if (!(across2 > parallel_sine * parallel_sine * (x[1] - x[0]).squaredNorm())) return std::nullopt;
+  for (const int i : ends) {
+    if (on_feature(i, FeatureKind::Edge, edge)) return std::nullopt;
+    for (const int corner : e.corners) {
+      // A cloth edge that starts at the edge's own end meets it there and nowhere else.
+      if (corner >= 0 && on_feature(i, FeatureKind::Corner, corner)) return std::nullopt;
+    }
+  }
+  const double s = std::clamp(toward / across2, 0.0, 1.0);
+  const double t = along[0] + s * (along[1] - along[0]);
+  if (t < -slack || t > e.length + slack) return std::nullopt;
+
+  const Vec3 velocity = (1 - s) * relative_velocity(ends[0]) + s * relative_velocity(ends[1]);
+  Vec3 normal = across.cross(e.tangent).normalized();
+  double distance = normal.dot(start);
+  // A wire is touched from the side the cloth is on; from where it came if it is exactly there.
+  const double side = !e.free_cone                         ? normal.dot(e.mean)
+                      : std::abs(distance) > rim_tolerance ? distance
+                                                           : -normal.dot(velocity);
+  if (side < 0) {
+    normal = -normal;
+    distance = -distance;
+  }
+  if (!e.free_cone && !in_cone(e.normals, normal)) return std::nullopt;
+  if (!is_way_out(distance, reach(velocity), normal, x, e.tangent)) return std::nullopt;
+
+  Contact contact =
+      make_contact(ContactType::EdgeEdge, e.a + std::clamp(t, 0.0, e.length) * e.tangent, normal, distance);
+  contact.feature = {obstacle_.index, FeatureKind::Edge, edge};
+  contact.n_vertices = 2;
+  contact.vertices = {ends[0], ends[1], -1};
+  contact.weights = {1 - s, s, 0};
+  contact.halfedge = halfedge;
+  return contact;
+}
+
+std::optional<Contact> NarrowPhase::corner_face(int corner, int face) const {
+  const PlacedCorner& c = obstacle_.corners[static_cast<std::size_t>(corner)];
+  const auto& vertices = cloth_.mesh.face(face);
+  const auto x = world_corners(cloth_.mesh, face);
+  Vec3 normal = face_normal(cloth_.mesh, face);
+  if (normal.isZero()) return std::nullopt;
+  Vec3 weights = foot_weights(x, c.position);
+  if (!(weights.minCoeff() >= -interval_slack)) return std::nullopt;
+  for (const int i : vertices) {
+    if (on_feature(i, FeatureKind::Corner, corner)) return std::nullopt;
+  }
+  if (normal.dot(c.mean) < 0) normal = -normal;
+  if (!in_cone(c.normals, normal)) return std::nullopt;
+  weights = weights.cwiseMax(0.0) / weights.cwiseMax(0.0).sum();
+  Vec3 velocity = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) velocity += weights[k] * relative_velocity(vertices[static_cast<std::size_t>(k)]);
+  const double distance = normal.dot(x[0] - c.position);
+  if (!is_way_out(distance, reach(velocity), normal, x, Vec3::Zero())) return std::nullopt;
+
+  Contact contact = make_contact(ContactType::CornerFace, c.position, normal, distance);
+  contact.feature = {obstacle_.index, FeatureKind::Corner, corner};
+  contact.n_vertices = 3;
+  contact.vertices = vertices;
+  contact.weights = {weights[0], weights[1], weights[2]};
+  contact.face = face;
+  return contact;
+}
+
+}  // namespace crease

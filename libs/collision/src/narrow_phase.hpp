@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "crease/collision/contact.hpp"
+#include "crease/collision/detect.hpp"
+#include "crease/geometry/cloth.hpp"
+#include "placed.hpp"
+
+namespace crease {
+
+/// One obstacle against one cloth: tests a single pair of features at a time.
+///
+/// A pair is in reach if its gap is at most threshold + look_ahead * |velocity of the cloth there relative to the
+/// obstacle|. A penetration of an edge or corner counts at any depth, as long as the pair is where the cloth would
+/// leave the solid: see is_way_out().
+class NarrowPhase {
+ public:
+  NarrowPhase(const Cloth& cloth, const PlacedObstacle& obstacle, const DetectOptions& options)
+      : cloth_(cloth), obstacle_(obstacle), options_(options) {}
+
+  std::optional<Contact> vertex_face(int vertex) const;
+  std::optional<Contact> edge_edge(int halfedge, int edge) const;
+  std::optional<Contact> corner_face(int corner, int face) const;
+
+ private:
+  Vec3 relative_velocity(int vertex) const;
+  double reach(const Vec3& velocity) const;
+  bool on_feature(int vertex, FeatureKind kind, int index) const;
+  Vec3 rim_normal(int vertex, std::span<const Vec3> normals, const Vec3& mean) const;
+  /// Whether a pair with this signed distance is a contact; `points` are the corners of the cloth's edge or face,
+  /// `along` the tangent of the obstacle's edge (zero at a corner).
+  bool is_way_out(double distance, double reach, const Vec3& normal, std::span<const Vec3> points,
+                  const Vec3& along) const;
+  Contact make_contact(ContactType type, const Vec3& point, const Vec3& normal, double distance) const;
+
+  const Cloth& cloth_;
+  const PlacedObstacle& obstacle_;
+  const DetectOptions& options_;
+};
+
+}  // namespace crease

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "placed.hpp"
+
+#include "cone.hpp"
+#include "crease/base/require.hpp"
+
+namespace crease {
+namespace {
+
+PlacedCorner place_corner(const SharpCorner& corner, const Pose& pose) {
+  PlacedCorner placed;
+  placed.position = pose.to_world(corner.position);
+  for (const Vec3& n : corner.normals) placed.normals.push_back(pose.rotation * n);
+  placed.mean = mean_normal(placed.normals);
+  return placed;
+}
+
+PlacedEdge place_edge(const SharpEdge& edge, const Pose& pose) {
+  PlacedEdge placed;
+  placed.a = pose.to_world(edge.a);
+  placed.tangent = pose.rotation * (edge.b - edge.a);
+  placed.length = placed.tangent.norm();
+  if (placed.length > 0) placed.tangent /= placed.length;
+  placed.free_cone = edge.free_cone;
+  placed.corners = edge.corners;
+  if (!edge.free_cone) {
+    placed.normals = {pose.rotation * edge.normals[0], pose.rotation * edge.normals[1]};
+    placed.mean = mean_normal(placed.normals);
+  }
+  return placed;
+}
+
+std::vector<FacePlane> box_faces(const Vec3& half_size, const Pose& pose) {
+  std::vector<FacePlane> faces;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      const Vec3 normal = sign * pose.rotation.col(axis);
+      faces.push_back({normal, normal.dot(pose.position) + half_size[axis]});
+    }
+  }
+  return faces;
+}
+
+}  // namespace
+
+PlacedObstacle place(const PosedObstacle& obstacle, int index) {
+  const ObstacleShape& shape = *obstacle.shape;
+  require(shape.kind != ObstacleShape::Kind::Mesh,
+          "collision: expected a box, a point or a wire, got a triangle mesh (not available yet)");
+  PlacedObstacle placed;
+  placed.index = index;
+  placed.source = obstacle;
+  for (const Vec3& p : shape.vertices) placed.bounds.extend(obstacle.pose.to_world(p));
+  for (const SharpCorner& corner : shape.corners) {
+    placed.corners.push_back(place_corner(corner, obstacle.pose));
+    placed.bounds.extend(placed.corners.back().position);
+  }
+  for (const SharpEdge& edge : shape.edges) {
+    placed.edges.push_back(place_edge(edge, obstacle.pose));
+    placed.bounds.extend(placed.edges.back().a);
+    placed.bounds.extend(obstacle.pose.to_world(edge.b));
+  }
+  if (shape.kind == ObstacleShape::Kind::Box) placed.faces = box_faces(shape.half_size, obstacle.pose);
+  return placed;
+}
+
+}  // namespace crease

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "crease/base/types.hpp"
+#include "crease/geometry/obstacle.hpp"
+
+namespace crease {
+
+/// A sharp edge in world coordinates.
+struct PlacedEdge {
+  Vec3 a = Vec3::Zero(), tangent = Vec3::Zero();  ///< start; unit vector from a to b
+  double length = 0;                              ///< [m]
+  std::array<Vec3, 2> normals;
+  Vec3 mean = Vec3::Zero();
+  bool free_cone = false;
+  std::array<int, 2> corners{-1, -1};
+};
+
+/// A sharp corner in world coordinates.
+struct PlacedCorner {
+  Vec3 position = Vec3::Zero(), mean = Vec3::Zero();
+  std::vector<Vec3> normals;
+};
+
+/// One face of a convex solid {p : normal . p <= offset for all faces}.
+struct FacePlane {
+  Vec3 normal = Vec3::Zero();
+  double offset = 0;
+};
+
+/// One obstacle where it is, its features turned into world coordinates once a call.
+struct PlacedObstacle {
+  int index = -1;
+  PosedObstacle source;
+  std::vector<PlacedEdge> edges;
+  std::vector<PlacedCorner> corners;
+  std::vector<FacePlane> faces;  ///< empty without a surface
+  Eigen::AlignedBox3d bounds;
+};
+
+/// @pre not a triangle mesh (not available yet)
+PlacedObstacle place(const PosedObstacle& obstacle, int index);
+
+}  // namespace crease
