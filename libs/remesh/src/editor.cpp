@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "editor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "crease/base/require.hpp"
+#include "crease/geometry/triangle.hpp"
+#include "metric.hpp"
+#include "transfer.hpp"
+
+namespace crease {
+
+namespace {
+
+// Largest cotangent first, one arc tangent at the end: this runs over every face of every call.
+double smallest_material_angle(const Mesh& mesh) {
+  double cotangent = 1 / std::sqrt(3.0);  // equilateral: no triangle does better
+  for (int f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.face_live(f)) continue;
+    const auto X = material_corners(mesh, f);
+    const double doubled_area = cross2(X[1] - X[0], X[2] - X[0]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec2 a = X[(k + 1) % 3] - X[k], b = X[(k + 2) % 3] - X[k];
+      cotangent = std::max(cotangent, a.dot(b) / doubled_area);
+    }
+  }
+  return std::atan2(1.0, cotangent);
+}
+
+template <typename T>
+void drop_removed(std::vector<T>& entries, const std::vector<int>& renumbering, int n) {
+  // New ids never exceed old ones, so moving forward overwrites nothing that is still needed.
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (renumbering[i] != Mesh::none) entries[renumbering[i]] = entries[i];
+  entries.resize(static_cast<std::size_t>(n));
+}
+
+std::vector<int> faces_around(const Mesh& mesh, int vertex) {
+  std::vector<int> faces = mesh.outgoing(vertex);
+  for (int& h : faces) h = Mesh::face_of(h);
+  return faces;
+}
+
+}  // namespace
+
+Editor::Editor(const Cloth& cloth)
+    : cloth_(cloth), n_given_(cloth.mesh.vertex_slots()), momentum_given_(total_momentum(cloth)) {}
+
+void Editor::add_vertex(const Vec3& v, const Vec2& V, const FeatureId& feature, std::uint64_t pins) {
+  cloth_.v.push_back(v);
+  cloth_.V.push_back(V);
+  cloth_.feature.push_back(feature);
+  cloth_.pins.push_back(pins);
+  CREASE_ASSERT(cloth_.v.size() == cloth_.mesh.X.size());
+  report_.changed = true;
+  ++report_.splits;
+}
+
+Mesh::Split Editor::split(int h, double t) {
+  const int a = mesh().from(h), b = mesh().to(h), tag = mesh().tag(h);
+  const std::uint64_t pins = cloth_.pins[a] & cloth_.pins[b];
+  Vec3 v = edge_velocity(cloth_, h, t);
+  Vec2 V = Vec2::Zero();
+  FeatureId feature;
+  if (tag != 0) {
+    v = (1 - t) * cloth_.v[a] + t * cloth_.v[b];
+    V = (1 - t) * cloth_.V[a] + t * cloth_.V[b];
+    feature = tag_feature(tag);
+  }
+  const Mesh::Split done = cloth_.mesh.split(h, t);
+  add_vertex(v, V, feature, pins);
+  return done;
+}
+
+Mesh::Split Editor::split_face(int f, const Vec3& b) {
+  const std::array<Vec3, 3> w = corner_velocities(cloth_, f);
+  const Mesh::Split done = cloth_.mesh.split_face(f, b);
+  add_vertex((b[0] * w[0] + b[1] * w[1] + b[2] * w[2]) / b.sum(), Vec2::Zero(), FeatureId{}, 0);
+  return done;
+}
+
+std::array<int, 2> Editor::flip(int h) {
+  const int g = mesh().twin(h);
+  const std::array<int, 2> faces{Mesh::face_of(h), Mesh::face_of(g)};
+  const std::array<int, 4> corners{mesh().from(h), mesh().opposite(h), mesh().to(h), mesh().opposite(g)};
+  const Vec3 before = momentum(cloth_, faces);
+  const std::array<int, 2> done = cloth_.mesh.flip(h);
+  repay(before - momentum(cloth_, done), corners);
+  report_.changed = true;
+  ++report_.flips;
+  return done;
+}
+
+Mesh::Collapse Editor::collapse(int vertex, int into) {
+  const std::vector<int> patch = mesh().neighbours(vertex);
+  const Vec3 before = momentum(cloth_, faces_around(mesh(), vertex));
+  const Mesh::Collapse done = cloth_.mesh.collapse_vertex(vertex, into);
+  repay(before - momentum(cloth_, done.faces), patch);
+  report_.changed = true;
+  ++report_.collapses;
+  return done;
+}
+
+void Editor::slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v) {
+  CREASE_ASSERT(!cloth_.is_eol(vertex));
+  std::vector<int> patch = mesh().neighbours(vertex);
+  patch.push_back(vertex);
+  const std::vector<int> faces = faces_around(mesh(), vertex);
+  const Vec3 before = momentum(cloth_, faces);
+  cloth_.mesh.X[vertex] = X;
+  cloth_.mesh.x[vertex] = x;
+  cloth_.v[vertex] = v;
+  repay(before - momentum(cloth_, faces), patch);
+  report_.changed = true;
+}
+
+void Editor::ride(int vertex, const FeatureId& feature, const Vec3& point) {
+  CREASE_ASSERT(!cloth_.is_eol(vertex));
+  cloth_.feature[vertex] = feature;
+  cloth_.mesh.x[vertex] = point;
+  report_.changed = true;
+  ++report_.inserted;
+}
+
+void Editor::share(int vertex, const Vec2& V, const Mat32& F) {
+  cloth_.v[vertex] += F * V;
+  cloth_.V[vertex] += V;
+}
+
+void Editor::release(int vertex) {
+  make_lagrangian(cloth_, vertex);
+  report_.changed = true;
+  ++report_.released;
+}
+
+void Editor::set_tag(int h, int tag) {
+  if (mesh().tag(h) == tag) return;
+  cloth_.mesh.set_tag(h, tag);
+  report_.changed = true;
+}
+
+void Editor::refuse(RefusalReason reason, int vertex, const Vec2& X) {
+  report_.refusals.push_back({reason, vertex, X});
+}
+
+// Lumped masses give the exact change of linear momentum, since the patch's vertices keep all their faces.
+void Editor::repay(const Vec3& debt, std::span<const int> vertices) {
+  const auto is_free = [&](int v) { return !cloth_.is_eol(v) && cloth_.pins[v] == 0; };
+  double area = 0;
+  for (const int v : vertices)
+    if (is_free(v)) area += lumped_area(mesh(), v);
+  if (!(area > 0)) return;
+  const Vec3 velocity = debt / area;
+  for (const int v : vertices)
+    if (is_free(v)) cloth_.v[v] += velocity;
+}
+
+RemeshResult Editor::finish() && {
+  report_.smallest_angle = smallest_material_angle(mesh());
+  if (!report_.changed) return {std::move(cloth_), std::move(report_)};
+  report_.momentum_change = total_momentum(cloth_) - momentum_given_;
+  const std::vector<int> renumbering = cloth_.mesh.compact().vertex;
+  const int n = cloth_.mesh.n_vertices();
+  drop_removed(cloth_.v, renumbering, n);
+  drop_removed(cloth_.V, renumbering, n);
+  drop_removed(cloth_.feature, renumbering, n);
+  drop_removed(cloth_.pins, renumbering, n);
+  report_.vertex_map.assign(renumbering.begin(), renumbering.begin() + n_given_);
+  for (Refusal& refusal : report_.refusals)
+    if (refusal.vertex >= 0) refusal.vertex = renumbering[refusal.vertex];
+  return {std::move(cloth_), std::move(report_)};
+}
+
+}  // namespace crease

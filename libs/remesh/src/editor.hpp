@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "crease/geometry/cloth.hpp"
+#include "crease/remesh/remesh.hpp"
+
+namespace crease {
+
+/// A cloth while it is being remeshed: the mesh's operations, each of which carries velocities, features and pins along
+/// and keeps the linear momentum, and the account of what was done. Vertex ids stay valid until finish().
+///
+/// Momentum. A split keeps it exactly; so does release. Flips, collapses and slides change the space of velocity
+/// fields: what the patch lost is given back as one common velocity to its free vertices (Lagrangian, not pinned).
+class Editor {
+ public:
+  /// @pre cloth.mesh.is_compact()
+  explicit Editor(const Cloth& cloth);
+
+  const Cloth& cloth() const { return cloth_; }
+  const Mesh& mesh() const { return cloth_.mesh; }
+  RemeshReport& report() { return report_; }
+
+  // Each needs the mesh's own `can_*` to hold.
+  /// A tagged edge gets an EOL vertex with both velocities interpolated, any other a Lagrangian one.
+  Mesh::Split split(int h, double t);
+  Mesh::Split split_face(int f, const Vec3& b);
+  std::array<int, 2> flip(int h);
+  Mesh::Collapse collapse(int vertex, int into);
+
+  /// Moves a Lagrangian vertex along the surface: to the material point X, with the world position and velocity there.
+  void slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v);
+  /// Makes a Lagrangian vertex EOL at `point` of a feature, its material velocity zero for the moment.
+  void ride(int vertex, const FeatureId& feature, const Vec3& point);
+  /// Shares the velocity of an EOL vertex that has none in Xdot yet: Xdot given, world velocity kept.
+  void share(int vertex, const Vec2& V, const Mat32& F);
+  void release(int vertex);
+  void set_tag(int h, int tag);
+
+  void refuse(RefusalReason reason, int vertex, const Vec2& X);
+
+  /// The compact cloth and the completed report. With nothing done, the very cloth that was given.
+  RemeshResult finish() &&;
+
+ private:
+  void add_vertex(const Vec3& v, const Vec2& V, const FeatureId& feature, std::uint64_t pins);
+  void repay(const Vec3& debt, std::span<const int> vertices);
+
+  Cloth cloth_;
+  RemeshReport report_;
+  int n_given_;
+  Vec3 momentum_given_;
+};
+
+}  // namespace crease

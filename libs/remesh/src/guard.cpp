@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+#include "crease/geometry/triangle.hpp"
+
+namespace crease {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double angle_between(const Vec3& m, const Vec3& n) {
+  if (m.isZero(0)) return 0;  // no direction to lose
+  if (n.isZero(0)) return std::numbers::pi;
+  return std::atan2(m.cross(n).norm(), m.dot(n));
+}
+
+Vec3 normal_of(const std::array<Vec3, 3>& x) {
+  const Vec3 n = (x[1] - x[0]).cross(x[2] - x[0]);
+  const double length = n.norm();
+  return length > 0 ? Vec3(n / length) : Vec3::Zero();
+}
+
+// The obstacle edge that a vertex rides on, as a tag; 0 for corners and Lagrangian vertices.
+int line_of(const Cloth& cloth, int vertex) {
+  const FeatureId& f = cloth.feature[vertex];
+  return f.kind == FeatureKind::Edge ? edge_tag(f.obstacle, f.index) : 0;
+}
+
+// The same for a face with one corner at a target.
+bool in_one_line(const Cloth& cloth, const Target& target, int s, int t) {
+  const int line = std::max(line_of(cloth, s), line_of(cloth, t));
+  if (line == 0 || !on_line(cloth, s, line) || !on_line(cloth, t, line)) return false;
+  return on_line(cloth, target.a, line) && (target.b == Mesh::none || on_line(cloth, target.b, line));
+}
+
+struct NearestFace {
+  double inside = -infinity;  // smallest barycentric coordinate
+  double shift = 0;
+};
+
+void offer(NearestFace& nearest, const std::array<Vec2, 3>& X, const std::array<Vec3, 3>& x, const Vec2& P,
+           const Vec3& p) {
+  Vec3 b = barycentric(X, P);
+  if (!(b.minCoeff() > nearest.inside)) return;
+  nearest.inside = b.minCoeff();
+  b = b.cwiseMax(0.0);
+  b /= b.sum();
+  nearest.shift = (b[0] * x[0] + b[1] * x[1] + b[2] * x[2] - p).norm();
+}
+
+}  // namespace
+
+Target at_vertex(const Mesh& mesh, int vertex) {
+  return {mesh.X[vertex], mesh.x[vertex], vertex};
+}
+
+Target on_edge(const Mesh& mesh, int a, int b, double t) {
+  return {(1 - t) * mesh.X[a] + t * mesh.X[b], (1 - t) * mesh.x[a] + t * mesh.x[b], a, b};
+}
+
+bool on_line(const Cloth& cloth, int vertex, int tag) {
+  const FeatureId& f = cloth.feature[vertex];
+  if (f.kind == FeatureKind::Edge) return edge_tag(f.obstacle, f.index) == tag;
+  if (f.kind == FeatureKind::None) return false;
+  for (const int h : cloth.mesh.outgoing(vertex))
+    if (cloth.mesh.tag(h) == tag || cloth.mesh.tag(Mesh::prev(h)) == tag) return true;
+  return false;
+}
+
+bool in_one_line(const Cloth& cloth, int a, int b, int c) {
+  const int line = std::max({line_of(cloth, a), line_of(cloth, b), line_of(cloth, c)});
+  return line != 0 && on_line(cloth, a, line) && on_line(cloth, b, line) && on_line(cloth, c, line);
+}
+
+Ring ring_after(const Cloth& cloth, int vertex, const Target& target) {
+  const Mesh& mesh = cloth.mesh;
+  Ring ring{.altitude = infinity, .angle = infinity, .angle_before = infinity};
+  NearestFace nearest;
+  for (const int h : mesh.outgoing(vertex)) {
+    const int f = Mesh::face_of(h), s = mesh.to(h), t = mesh.opposite(h);
+    const auto X_old = material_corners(mesh, f);
+    ring.angle_before = std::min(ring.angle_before, smallest_angle(X_old));
+    const bool has_a = s == target.a || t == target.a;
+    const bool has_b = target.b == Mesh::none || s == target.b || t == target.b;
+    if (has_a && has_b) continue;  // vanishes
+    const std::array<Vec2, 3> X{target.X, mesh.X[s], mesh.X[t]};
+    const std::array<Vec3, 3> x{target.x, mesh.x[s], mesh.x[t]};
+    if (!(orient2d(X[0], X[1], X[2]) > 0) || in_one_line(cloth, target, s, t)) return {.sound = false};
+    ring.altitude = std::min(ring.altitude, smallest_altitude(X));
+    ring.angle = std::min(ring.angle, smallest_angle(X));
+    ring.turn = std::max(ring.turn, angle_between(face_normal(mesh, f), normal_of(x)));
+    offer(nearest, X, x, mesh.X[vertex], mesh.x[vertex]);
+  }
+  ring.shift = nearest.shift;
+  return ring;
+}
+
+FlipCheck flip_check(const Cloth& cloth, int h) {
+  const Mesh& mesh = cloth.mesh;
+  if (!mesh.can_flip(h)) return {};
+  const int g = mesh.twin(h);
+  const int a = mesh.from(h), b = mesh.opposite(h), c = mesh.to(h), d = mesh.opposite(g);
+  if (in_one_line(cloth, d, b, a) || in_one_line(cloth, b, d, c)) return {};
+  const auto& X = mesh.X;
+  const std::array<Vec2, 3> abc_1{X[d], X[b], X[a]}, abc_2{X[b], X[d], X[c]};
+  const auto old_1 = material_corners(mesh, Mesh::face_of(h)), old_2 = material_corners(mesh, Mesh::face_of(g));
+  FlipCheck check{.sound = true};
+  check.altitude = std::min(smallest_altitude(abc_1), smallest_altitude(abc_2));
+  check.altitude_before = std::min(smallest_altitude(old_1), smallest_altitude(old_2));
+  check.angle = std::min(smallest_angle(abc_1), smallest_angle(abc_2));
+  check.angle_before = std::min(smallest_angle(old_1), smallest_angle(old_2));
+  check.dihedral = angle_between(face_normal(mesh, Mesh::face_of(h)), face_normal(mesh, Mesh::face_of(g)));
+  return check;
+}
+
+}  // namespace crease

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+
+#include "crease/geometry/cloth.hpp"
+
+// What an operation would make of the surface, found out before it is done.
+namespace crease {
+
+/// Faces may not get a smaller angle than this, unless it was smaller before [rad].
+inline constexpr double least_angle = 0.14;  // 8 degrees
+/// Two faces that meet at more than this in the world are a fold that a flip would cut through [rad].
+inline constexpr double flip_dihedral = 0.35;  // 20 degrees
+
+/// Where a vertex that is removed goes: into the vertex `a`, or, with `b` set, into a vertex that will be made on edge
+/// ab.
+struct Target {
+  Vec2 X;
+  Vec3 x;
+  int a;
+  int b = Mesh::none;
+};
+Target at_vertex(const Mesh& mesh, int vertex);
+/// @param t  from a to b
+Target on_edge(const Mesh& mesh, int a, int b, double t);
+
+/// The faces round a vertex after it has gone to its target.
+struct Ring {
+  bool sound = true;    ///< all of positive material area, none with three corners on one obstacle edge
+  double altitude = 0;  ///< smallest in material space [m]
+  double angle = 0;     ///< smallest in material space [rad]
+  double angle_before = 0;
+  double turn = 0;   ///< largest turn of a face's world normal [rad]
+  double shift = 0;  ///< distance of the removed vertex from the surface that is left [m]
+};
+Ring ring_after(const Cloth& cloth, int vertex, const Target& target);
+
+/// The two faces of an edge after a flip.
+struct FlipCheck {
+  bool sound = false;                        ///< Mesh::can_flip, and no face with three corners on one obstacle edge
+  double altitude = 0, altitude_before = 0;  ///< smallest in material space [m]
+  double angle = 0, angle_before = 0;        ///< smallest in material space [rad]
+  double dihedral = 0;                       ///< between the two faces now, in the world [rad]
+};
+FlipCheck flip_check(const Cloth& cloth, int h);
+
+/// Whether the vertex is on the obstacle edge that `tag` names: EOL on it, or a corner where its chain ends.
+bool on_line(const Cloth& cloth, int vertex, int tag);
+/// Whether one obstacle edge holds all three: such a face has no area in the world.
+bool in_one_line(const Cloth& cloth, int a, int b, int c);
+
+}  // namespace crease

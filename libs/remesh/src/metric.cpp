@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "metric.hpp"
+
+#include <array>
+#include <optional>
+
+#include <Eigen/LU>
+
+#include "crease/base/require.hpp"
+
+namespace crease {
+
+namespace {
+
+// Disks may stick out by this much of the larger radius: rounding of the closed forms below.
+constexpr double enclosing_tolerance = 1e-9;
+constexpr std::size_t max_disks = 8;
+
+struct Disk {
+  Vec2 centre;
+  double radius;
+};
+
+using DiskSpan = std::span<const Disk>;
+
+Disk disk_of(const Mat2& M) {
+  return {{0.5 * (M(0, 0) - M(1, 1)), M(0, 1)}, 0.5 * M.trace()};
+}
+
+Mat2 tensor_of(const Disk& d) {
+  return Mat2{{d.radius + d.centre.x(), d.centre.y()}, {d.centre.y(), d.radius - d.centre.x()}};
+}
+
+bool encloses_all(const Disk& outer, DiskSpan disks) {
+  const double reach = outer.radius * (1 + enclosing_tolerance);
+  return std::all_of(disks.begin(), disks.end(),
+                     [&](const Disk& d) { return (d.centre - outer.centre).norm() + d.radius <= reach; });
+}
+
+// Smallest disk around two, neither of which holds the other.
+std::optional<Disk> around(const Disk& a, const Disk& b) {
+  const Vec2 ab = b.centre - a.centre;
+  const double distance = ab.norm();
+  if (distance <= std::abs(a.radius - b.radius)) return std::nullopt;
+  const double radius = 0.5 * (distance + a.radius + b.radius);
+  return Disk{a.centre + ab * ((radius - a.radius) / distance), radius};
+}
+
+// The disk that three touch from inside (Apollonius). With the origin in a's centre and rho = R - a.radius the
+// conditions are |y| = rho and y . d_i = rho s_i + (|d_i|^2 - s_i^2) / 2: y is linear in rho, rho solves a quadratic.
+std::optional<Disk> around(const Disk& a, const Disk& b, const Disk& c) {
+  const Vec2 d1 = b.centre - a.centre, d2 = c.centre - a.centre;
+  const double s1 = b.radius - a.radius, s2 = c.radius - a.radius;
+  const double det = cross2(d1, d2);
+  // Centres in line: two of the three decide.
+  if (std::abs(det) <= 1e-12 * d1.norm() * d2.norm()) return std::nullopt;
+  const auto solve = [&](double r1, double r2) {
+    return Vec2((r1 * d2.y() - r2 * d1.y()) / det, (r2 * d1.x() - r1 * d2.x()) / det);
+  };
+  const Vec2 u = solve(s1, s2);
+  const Vec2 w = solve(0.5 * (d1.squaredNorm() - s1 * s1), 0.5 * (d2.squaredNorm() - s2 * s2));
+  const double qa = u.squaredNorm() - 1, qb = u.dot(w), qc = w.squaredNorm();
+  const double discriminant = qb * qb - qa * qc;
+  if (discriminant < 0) return std::nullopt;
+  const double q = -(qb + std::copysign(std::sqrt(discriminant), qb));
+  const std::array<double, 2> roots{qa != 0 ? q / qa : -1, q != 0 ? qc / q : -1};
+  std::optional<Disk> best;
+  for (const double rho : roots) {
+    if (rho < std::max({0.0, s1, s2}) || (best && rho + a.radius >= best->radius)) continue;
+    best = Disk{a.centre + u * rho + w, a.radius + rho};
+  }
+  return best;
+}
+
+void keep_smaller(std::optional<Disk>& best, const std::optional<Disk>& candidate, DiskSpan disks) {
+  if (!candidate || (best && candidate->radius >= best->radius)) return;
+  if (encloses_all(*candidate, disks)) best = candidate;
+}
+
+// Tries all of at most 8 + 28 + 56 candidates: no branching on nearly equal numbers, so nothing to go wrong.
+std::optional<Disk> smallest_enclosing(DiskSpan disks) {
+  std::optional<Disk> best;
+  const std::size_t n = disks.size();
+  for (std::size_t i = 0; i < n; ++i) keep_smaller(best, disks[i], disks);
+  if (best) return best;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) keep_smaller(best, around(disks[i], disks[j]), disks);
+  if (best) return best;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j)
+      for (std::size_t k = j + 1; k < n; ++k) keep_smaller(best, around(disks[i], disks[j], disks[k]), disks);
+  return best;
+}
+
+}  // namespace
+
+Spectrum spectrum(const Mat2& M) {
+  const double mean = 0.5 * M.trace(), d = 0.5 * (M(0, 0) - M(1, 1)), o = 0.5 * (M(0, 1) + M(1, 0));
+  const double r = std::hypot(d, o);
+  Vec2 axis(1, 0);
+  if (r > 0) axis = (d >= 0 ? Vec2(d + r, o) : Vec2(o, r - d)).normalized();
+  return {mean + r, mean - r, axis};
+}
+
+Mat2 with_eigenvalues(const Spectrum& s, double large, double small) {
+  const Mat2 projector = s.axis * s.axis.transpose();
+  return large * projector + small * (Mat2::Identity() - projector);
+}
+
+Mat2 tensor_max(std::span<const Mat2> tensors) {
+  CREASE_ASSERT(tensors.size() <= max_disks);
+  std::array<Disk, max_disks> storage{};
+  std::size_t n = 0;
+  Mat2 sum = Mat2::Zero();
+  for (const Mat2& M : tensors) {
+    if (!(M.trace() > 0)) continue;
+    storage[n++] = disk_of(M);
+    sum += M;
+  }
+  if (n == 0) return Mat2::Zero();
+  const std::optional<Disk> disk = smallest_enclosing(DiskSpan(storage.data(), n));
+  return disk ? tensor_of(*disk) : sum;
+}
+
+double opposite_angle_sine(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, const Mat2& M) {
+  const double stretch = std::sqrt(std::max(0.0, M.determinant()));
+  const auto corner = [&](const Vec2& at) {
+    const Vec2 p = a - at, q = c - at;
+    return Vec2(p.dot(M * q), stretch * std::abs(cross2(p, q)));  // |p||q| (cos, sin) in the metric
+  };
+  const Vec2 at_b = corner(b), at_d = corner(d);
+  const double scale = at_b.norm() * at_d.norm();
+  if (!(scale > 0)) return 0;
+  return (at_b.y() * at_d.x() + at_b.x() * at_d.y()) / scale;
+}
+
+}  // namespace crease

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include "crease/geometry/grid.hpp"
+#include "crease/geometry/triangle.hpp"
+#include "crease/remesh/remesh.hpp"
+#include "support/meshes.hpp"
+
+namespace crease {
+namespace {
+
+using support::Rng;
+using support::uniform;
+
+constexpr double degree = std::numbers::pi / 180;
+
+AdaptOptions sizes(double shortest, double longest) {
+  AdaptOptions options;
+  options.size = {shortest, longest};
+  return options;
+}
+
+Cloth flat_sheet(GridPattern pattern, int cells, Vec2 size = Vec2(1, 1)) {
+  GridOptions grid;
+  grid.size = size;
+  grid.cells = {cells, cells};
+  grid.pattern = pattern;
+  return make_cloth(make_grid(grid));
+}
+
+double area(const Mesh& mesh) {
+  return support::total_area(mesh);
+}
+
+Vec3 momentum(const Cloth& cloth) {
+  Vec3 sum = Vec3::Zero();
+  for (int f = 0; f < cloth.mesh.n_faces(); ++f) {
+    const Mat32 F = deformation_gradient(cloth.mesh, f);
+    for (const int v : cloth.mesh.face(f)) sum += cloth.mesh.material_area(f) / 3 * (cloth.v[v] - F * cloth.V[v]);
+  }
+  return sum;
+}
+
+void expect_same_bits(const Cloth& a, const Cloth& b) {
+  ASSERT_EQ(a.mesh.vertex_slots(), b.mesh.vertex_slots());
+  ASSERT_EQ(a.mesh.face_slots(), b.mesh.face_slots());
+  for (int f = 0; f < a.mesh.face_slots(); ++f) EXPECT_EQ(a.mesh.face(f), b.mesh.face(f));
+  EXPECT_EQ(a.mesh.X, b.mesh.X);
+  EXPECT_EQ(a.mesh.x, b.mesh.x);
+  EXPECT_EQ(a.v, b.v);
+  EXPECT_EQ(a.V, b.V);
+}
+
+void expect_valid(const Cloth& cloth, double expected_area) {
+  EXPECT_EQ(validate(cloth), std::nullopt);
+  EXPECT_TRUE(cloth.mesh.is_compact());
+  // Areas are sums of thousands of products: rounding, no more.
+  EXPECT_NEAR(area(cloth.mesh), expected_area, 1e-12 * expected_area);
+}
+
+TEST(Adapt, RefusesMissingSizes) {
+  const Cloth sheet = flat_sheet(GridPattern::Cross, 4);
+  EXPECT_THROW(adapt(sheet, AdaptOptions{}), std::invalid_argument);
+  EXPECT_THROW(adapt(sheet, sizes(0.1, 0.05)), std::invalid_argument);
+  EXPECT_THROW(sizing_field(sheet, AdaptOptions{}), std::invalid_argument);
+  AdaptOptions no_aspect = sizes(0.05, 0.1);
+  no_aspect.aspect = 0;
+  EXPECT_THROW(adapt(sheet, no_aspect), std::invalid_argument);
+}
+
+// The aspect of the strip, 1 : 1e4, is what a loop "while an edge is too long" never ends on if a split is refused.
+TEST(Adapt, EndsOnAThinStrip) {
+  const Cloth strip = flat_sheet(GridPattern::Right, 1, Vec2(1, 1e-4));
+  const RemeshResult result = adapt(strip, sizes(0.01, 0.1));
+  expect_valid(result.cloth, 1e-4);
+  EXPECT_GE(result.cloth.mesh.n_faces(), 20);
+  for (const int h : result.cloth.mesh.edges()) EXPECT_LE(result.cloth.mesh.material_length(h), 0.1 * (1 + 1e-12));
+}
+
+TEST(Adapt, FillsAUnitSquareWithTheWantedSize) {
+  for (const GridPattern pattern :
+       {GridPattern::Cross, GridPattern::Alternating, GridPattern::Right, GridPattern::Irregular}) {
+    for (const int cells : {1, 7, 40}) {
+      SCOPED_TRACE("pattern " + std::to_string(static_cast<int>(pattern)) + ", cells " + std::to_string(cells));
+      const RemeshResult result = adapt(flat_sheet(pattern, cells), sizes(0.06, 0.06));
+      const Mesh& mesh = result.cloth.mesh;
+      expect_valid(result.cloth, 1);
+      EXPECT_TRUE(result.report.refusals.empty());
+      int well_sized = 0;
+      for (const int h : mesh.edges()) {
+        const double L = mesh.material_length(h) / 0.06;
+        EXPECT_LE(L, 1 + 1e-12);
+        well_sized += L >= 0.5 ? 1 : 0;
+      }
+      // Coarsening from L = 0.42 stops at 0.42 .. 0.84: a collapse at best doubles a length.
+      EXPECT_GT(well_sized, (cells < 40 ? 0.95 : 0.7) * static_cast<double>(mesh.edges().size()));
+      EXPECT_GT(result.report.smallest_angle, 15 * degree);
+    }
+  }
+}
+
+TEST(Adapt, ASecondPassChangesNoBit) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Rng rng(seed);
+    Cloth sheet = flat_sheet(seed % 2 == 0 ? GridPattern::Cross : GridPattern::Irregular, 10);
+    const Vec3 pull(uniform(rng, -1, 1), uniform(rng, -1, 1), 0);
+    for (int v = 0; v < sheet.mesh.n_vertices(); ++v) sheet.v[v] = 3 * sheet.mesh.X[v].x() * pull;
+    const RemeshResult once = adapt(sheet, sizes(0.02, 0.09));
+    expect_valid(once.cloth, 1);
+    EXPECT_TRUE(once.report.changed);
+    const RemeshResult twice = adapt(once.cloth, sizes(0.02, 0.09));
+    EXPECT_FALSE(twice.report.changed);
+    EXPECT_TRUE(twice.report.vertex_map.empty());
+    expect_same_bits(once.cloth, twice.cloth);
+  }
+}
+
+// The sizes depend on the mesh, so a curved sheet may need several passes; that they come to rest is the hysteresis.
+TEST(Adapt, ComesToRestOnACurvedSheet) {
+  for (const double frequency : {6.0, 12.0, 20.0}) {
+    SCOPED_TRACE("frequency " + std::to_string(frequency));
+    Cloth sheet = flat_sheet(GridPattern::Irregular, 10);
+    bool changed = true;
+    for (int pass = 0; pass < 12 && changed; ++pass) {
+      for (int v = 0; v < sheet.mesh.n_vertices(); ++v) {
+        const Vec2& X = sheet.mesh.X[v];
+        sheet.mesh.x[v] = Vec3(X.x(), X.y(), 0.05 * std::sin(frequency * X.x() + X.y()));
+      }
+      RemeshResult result = adapt(sheet, sizes(0.02, 0.2));
+      expect_valid(result.cloth, 1);
+      changed = result.report.changed;
+      sheet = std::move(result.cloth);
+    }
+    EXPECT_FALSE(changed);
+  }
+}
+
+TEST(Adapt, LeavesARigidlyRotatingSheetAlone) {
+  Cloth sheet = adapt(flat_sheet(GridPattern::Cross, 8), sizes(0.02, 0.2)).cloth;
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  const Vec3 spin(30, -20, 10);  // velocity differences of 10 m/s along an edge, 20 times what refines
+  for (int v = 0; v < sheet.mesh.n_vertices(); ++v) {
+    sheet.mesh.x[v] = turn * sheet.mesh.x[v];
+    sheet.v[v] = spin.cross(sheet.mesh.x[v]) + Vec3(5, 5, 5);
+  }
+  EXPECT_FALSE(adapt(sheet, sizes(0.02, 0.2)).report.changed);
+}
+
+TEST(Adapt, RefinesStretchRateCompressionAndBending) {
+  const AdaptOptions options = sizes(0.02, 0.2);
+  const Cloth rest = adapt(flat_sheet(GridPattern::Cross, 8), options).cloth;
+  const int n = rest.mesh.n_faces();
+  Cloth torn = rest, pressed = rest, bent = rest;
+  for (int v = 0; v < rest.mesh.n_vertices(); ++v) {
+    const Vec2& X = rest.mesh.X[v];
+    torn.v[v] = Vec3(10 * X.x(), 0, 0);
+    pressed.mesh.x[v].x() *= 0.9;
+    bent.mesh.x[v] = Vec3(0.2 * std::sin(X.x() / 0.2), X.y(), 0.2 * std::cos(X.x() / 0.2));
+  }
+  for (const Cloth& cloth : {torn, pressed, bent}) {
+    const RemeshResult result = adapt(cloth, options);
+    expect_valid(result.cloth, 1);
+    EXPECT_GT(result.cloth.mesh.n_faces(), 2 * n);
+  }
+}
+
+TEST(Adapt, CoarsensWhereABumpHasGone) {
+  const AdaptOptions options = sizes(0.02, 0.2);
+  Cloth sheet = adapt(flat_sheet(GridPattern::Cross, 8), options).cloth;
+  const int n = sheet.mesh.n_faces();
+  for (int pass = 0; pass < 6; ++pass) {
+    for (int v = 0; v < sheet.mesh.n_vertices(); ++v) {
+      const Vec2 d = sheet.mesh.X[v] - Vec2(0.5, 0.5);
+      sheet.mesh.x[v].z() = 0.1 * std::exp(-40 * d.squaredNorm());
+    }
+    sheet = adapt(sheet, options).cloth;
+  }
+  EXPECT_GT(sheet.mesh.n_faces(), n + n / 2);
+  for (int v = 0; v < sheet.mesh.n_vertices(); ++v) sheet.mesh.x[v].z() = 0;
+  for (int pass = 0; pass < 3; ++pass) sheet = adapt(sheet, options).cloth;
+  expect_valid(sheet, 1);
+  // Not the same mesh, but nothing that stays fine: at most a third more faces than at first.
+  EXPECT_LE(sheet.mesh.n_faces(), n + n / 3);
+}
+
+TEST(Adapt, KeepsLinearMomentum) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Rng rng(seed);
+    Cloth sheet = flat_sheet(GridPattern::Irregular, 12);
+    double scale = 0;
+    for (int v = 0; v < sheet.mesh.n_vertices(); ++v) {
+      const Vec2& X = sheet.mesh.X[v];
+      sheet.mesh.x[v].z() = 0.03 * std::sin(9 * X.x()) * std::cos(7 * X.y());
+      sheet.v[v] = Vec3(std::sin(5 * X.y()), uniform(rng, -1, 1), uniform(rng, -1, 1));
+      scale = std::max(scale, sheet.v[v].norm());
+    }
+    const RemeshResult result = adapt(sheet, sizes(0.03, 0.15));
+    EXPECT_GT(result.report.splits, 0);
+    EXPECT_GT(result.report.flips, 0);
+    // Rounding of a few thousand operations on velocities of order `scale`.
+    EXPECT_LE((momentum(result.cloth) - momentum(sheet)).norm(), 1e-12 * scale);
+    EXPECT_LE(result.report.momentum_change.norm(), 1e-12 * scale);
+  }
+}
+
+TEST(Adapt, KeepsPinsAndMaterialCorners) {
+  Cloth sheet = flat_sheet(GridPattern::Cross, 20);
+  const int pinned = 200;
+  sheet.pins[pinned] = 1;
+  const Vec2 place = sheet.mesh.X[pinned];
+  const RemeshResult result = adapt(sheet, sizes(0.1, 0.5));
+  ASSERT_FALSE(result.report.vertex_map.empty());
+  const int now = result.report.vertex_map[pinned];
+  ASSERT_NE(now, Mesh::none);
+  EXPECT_EQ(result.cloth.mesh.X[now], place);
+  EXPECT_EQ(result.cloth.pins[now], 1u);
+  EXPECT_LT(result.cloth.mesh.n_faces(), sheet.mesh.n_faces() / 4);
+  expect_valid(result.cloth, 1);
+}
+
+// A border held by one pin stays held where it is refined.
+TEST(Adapt, HoldsNewVerticesBetweenVerticesOfOnePin) {
+  Cloth sheet = flat_sheet(GridPattern::Cross, 4);
+  for (int v = 0; v < sheet.mesh.n_vertices(); ++v)
+    if (sheet.mesh.X[v].x() == 0) sheet.pins[v] = 4;
+  const RemeshResult result = adapt(sheet, sizes(0.05, 0.05));
+  for (int v = 0; v < result.cloth.mesh.n_vertices(); ++v)
+    EXPECT_EQ(result.cloth.pins[v], result.cloth.mesh.X[v].x() == 0 ? 4u : 0u);
+}
+
+}  // namespace
+}  // namespace crease
