@@ -3,6 +3,7 @@
 #include "ipopt.hpp"
 
 #include <Eigen/SparseCholesky>
+#include <Eigen/SparseQR>
 #include <IpIpoptApplication.hpp>
 #include <IpSolveStatistics.hpp>
 #include <IpTNLP.hpp>
@@ -18,6 +19,11 @@ namespace {
 
 constexpr double kInfinity = 2e19;  ///< Ipopt takes 1e19 and more for no bound
 
+/// A diagonal entry of H this small beside the largest is rounding of zero.
+constexpr double kNoDiagonal = 1e-13;
+/// Equalities: part of a row outside the others that counts as zero, and mismatch of constants that counts as rounding.
+constexpr double kDependent = 1e-10;
+constexpr double kMismatch = 1e-8;
 /// Asked of Ipopt, on the scaled problem.
 constexpr double kIpoptTolerance = 1e-11;
 /// Regularisation of the polishing equations; refinement removes its effect.
@@ -42,36 +48,59 @@ struct ScaledQp {
   int n_eq = 0;
   VecX scale, row_norm;
   double size = 1;
+  std::vector<int> eq;    ///< equalities kept: the largest independent set, which Ipopt cannot do without
+  bool conflict = false;  ///< one of the others contradicts them
 
   explicit ScaledQp(const QpProblem& problem);
 };
 
+/// Rows of `A` that span all of them; `conflict` if no point meets A y = b.
+std::vector<int> independent_rows(const SparseMatrix& transposed, const VecX& b, bool& conflict) {
+  std::vector<int> rows;
+  if (b.size() == 0) return rows;
+  Eigen::SparseQR<SparseMatrix, Eigen::COLAMDOrdering<int>> qr;
+  qr.setPivotThreshold(kDependent);
+  qr.compute(transposed);
+  const auto rank = qr.rank();
+  const auto& order = qr.colsPermutation().indices();
+  rows.assign(order.data(), order.data() + rank);
+  // A P = (Q R)^T with R of `rank` rows: the point Q w with R_1^T w = (P^T b)_1 meets the kept rows.
+  const VecX permuted = qr.colsPermutation().transpose() * b;
+  const SparseMatrix R = qr.matrixR().topLeftCorner(rank, b.size());
+  const SparseMatrix kept = R.leftCols(rank);
+  const VecX w = kept.transpose().triangularView<Eigen::Lower>().solve(permuted.head(rank));
+  const VecX mismatch = R.transpose() * w - permuted;
+  conflict = max_abs(mismatch) > kMismatch * std::max(max_abs(b), max_abs(w));
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
 ScaledQp::ScaledQp(const QpProblem& problem) {
   const Eigen::Index n = problem.f.size();
-  n_eq = static_cast<int>(problem.b_eq.size());
   scale = problem.H.diagonal();
   const double largest = n == 0 ? 1.0 : scale.maxCoeff();
-  for (double& s : scale) s = 1 / std::sqrt(s > 1e-13 * largest ? s : (largest > 0 ? largest : 1.0));
+  for (double& s : scale) s = 1 / std::sqrt(s > kNoDiagonal * largest ? s : (largest > 0 ? largest : 1.0));
   H = scale.asDiagonal() * problem.H * scale.asDiagonal();
   f = problem.f.cwiseProduct(scale);
-  A.resize(n_eq + problem.b_in.size(), n);
-  b.resize(A.rows());
-  b << problem.b_eq, problem.b_in;
-  row_norm.resize(A.rows());
+  eq = independent_rows(SparseMatrix(problem.A_eq.transpose()), problem.b_eq, conflict);
+  n_eq = static_cast<int>(eq.size());
+  const int m = n_eq + static_cast<int>(problem.b_in.size());
+  b.resize(m);
+  row_norm.resize(m);
   std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < A.rows(); ++i) {
+  for (int i = 0; i < m; ++i) {
     const bool equality = i < n_eq;
-    const size_t first = entries.size();
-    for (SparseRows::InnerIterator a(equality ? problem.A_eq : problem.A_in, equality ? i : i - n_eq); a; ++a)
-      entries.emplace_back(i, static_cast<int>(a.col()), a.value() * scale[a.col()]);
+    const int source = equality ? eq[i] : i - n_eq;
+    const SparseRows& from = equality ? problem.A_eq : problem.A_in;
     double squared = 0;
-    for (size_t k = first; k < entries.size(); ++k) squared += entries[k].value() * entries[k].value();
+    for (SparseRows::InnerIterator a(from, source); a; ++a) squared += std::pow(a.value() * scale[a.col()], 2);
     row_norm[i] = squared > 0 ? std::sqrt(squared) : 1.0;
-    for (size_t k = first; k < entries.size(); ++k)
-      entries[k] = {entries[k].row(), entries[k].col(), entries[k].value() / row_norm[i]};
+    b[i] = (equality ? problem.b_eq : problem.b_in)[source] / row_norm[i];
+    for (SparseRows::InnerIterator a(from, source); a; ++a)
+      entries.emplace_back(i, static_cast<int>(a.col()), a.value() * scale[a.col()] / row_norm[i]);
   }
+  A.resize(m, n);
   A.setFromTriplets(entries.begin(), entries.end());
-  b = b.cwiseQuotient(row_norm);
   size = std::max(max_abs(f), max_abs(b));
   if (!(size > 0)) size = 1;
   f /= size;
@@ -219,7 +248,8 @@ QpResult read_out(const QpProblem& problem, const ScaledQp& qp, const VecX& y, c
   QpResult result;
   result.q = qp.size * y.cwiseProduct(qp.scale);
   const VecX unscaled = qp.size * lambda.cwiseQuotient(qp.row_norm);
-  result.lambda_eq = unscaled.head(qp.n_eq);
+  result.lambda_eq = VecX::Zero(problem.b_eq.size());
+  for (int i = 0; i < qp.n_eq; ++i) result.lambda_eq[qp.eq[i]] = unscaled[i];
   result.lambda_in = unscaled.tail(unscaled.size() - qp.n_eq).cwiseMax(0.0);
   const VecX slack = qp.A * y - qp.b;
   for (int i = qp.n_eq; i < lambda.size(); ++i) result.active.push_back(lambda[i] > slack[i]);
@@ -265,6 +295,7 @@ void set_options(Ipopt::OptionsList& list, const QpOptions& options) {
   list.SetStringValue("nlp_scaling_method", "none");
   list.SetNumericValue("bound_relax_factor", 0.0);  // otherwise every bound gives way by 1e-8
   list.SetNumericValue("diverging_iterates_tol", 1e12);
+  list.SetIntegerValue("acceptable_iter", 0);  // its acceptable points may be far from acceptable
   for (const char* name : {"tol", "constr_viol_tol", "dual_inf_tol", "compl_inf_tol"})
     list.SetNumericValue(name, kIpoptTolerance);
 }
@@ -283,6 +314,12 @@ Ipopt::ApplicationReturnStatus run_ipopt(const Ipopt::SmartPtr<QpNlp>& nlp, cons
 QpResult IpoptSolver::solve(const QpProblem& problem, const QpOptions& options, std::span<const char>) {
   require_valid(problem);
   const ScaledQp qp(problem);
+  if (qp.conflict) {
+    QpResult result;
+    result.status = QpStatus::Infeasible;
+    result.message = "the equalities contradict each other";
+    return result;
+  }
   const Ipopt::SmartPtr<QpNlp> nlp = new QpNlp(qp);
   int iterations = 0;
   Ipopt::ApplicationReturnStatus code = Ipopt::Internal_Error;
