@@ -2,6 +2,8 @@
 // A flat cloth leaves the motion of an EOL vertex across its edge undecided: what the regularisation makes of it.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include "constraints/flat_sheet_qp.hpp"
 
 namespace crease {
@@ -20,7 +22,7 @@ Spectrum smallest_eigenvalues(const EolSheet& sheet) {
   const ConstraintRows rows = sheet.rows();
   MatX H = make_inertia(sheet.cloth, dofs);
   VecX f = VecX::Zero(dofs.size());
-  const MatX Z = nullspace(rows.A_eq);
+  const MatX Z = split_spaces(MatX(rows.A_eq)).null;
   const auto smallest = [&](const MatX& S) {
     const VecX values = Eigen::SelfAdjointEigenSolver<MatX>(S, Eigen::EigenvaluesOnly).eigenvalues();
     return values[0] / values[values.size() - 1];

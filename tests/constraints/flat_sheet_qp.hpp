@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
 
 #include "constraints/eol_sheet.hpp"
 #include "crease/geometry/triangle.hpp"
@@ -42,10 +43,14 @@ inline void add_regularisation(const ConstraintRows& rows, const DofMap& dofs, M
   }
 }
 
-/// Orthonormal basis of the motions that the equalities allow.
-inline MatX nullspace(const SparseRows& A) {
-  const Eigen::BDCSVD<MatX> svd(MatX(A), Eigen::ComputeFullV);
-  return svd.matrixV().rightCols(A.cols() - svd.rank());
+/// Range and null space of rows A that do not depend on each other: A^T = Q (R; 0).
+struct RowSpaces {
+  MatX range, null, R;  ///< orthonormal columns; R upper triangular
+};
+inline RowSpaces split_spaces(const MatX& A) {
+  const Eigen::HouseholderQR<MatX> qr(A.transpose());
+  const MatX Q = qr.householderQ();
+  return {Q.leftCols(A.rows()), Q.rightCols(A.cols() - A.rows()), qr.matrixQR().topRows(A.rows())};
 }
 
 /// minimise 1/2 q^T H q - f^T q  s.t.  all equalities, and the inequalities for which `active` holds as equalities.
@@ -65,12 +70,11 @@ VecX minimise(const ConstraintRows& rows, const MatX& H, const VecX& f, Active a
     A.row(r) = MatX(rows.A_in.row(held[r - m_eq]));
     b[r] = rows.b_in[held[r - m_eq]];
   }
-  // Range and null space of A: exact also where rows repeat.
-  const Eigen::CompleteOrthogonalDecomposition<MatX> cod(A);
-  const VecX particular = cod.solve(b);
-  const Eigen::BDCSVD<MatX> svd(A, Eigen::ComputeFullV);
-  const MatX Z = svd.matrixV().rightCols(n - svd.rank());
-  return particular + Z * (Z.transpose() * H * Z).ldlt().solve(Z.transpose() * (f - H * particular));
+  const RowSpaces spaces = split_spaces(A);
+  const MatX& Z = spaces.null;
+  const VecX particular = spaces.range * spaces.R.triangularView<Eigen::Upper>().transpose().solve(b);
+  const MatX reduced = Z.transpose() * H * Z;
+  return particular + Z * reduced.ldlt().solve(Z.transpose() * (f - H * particular));
 }
 
 }  // namespace crease::testing

@@ -2,7 +2,8 @@
 // Five defects known from an implementation of the method; each test says what went wrong there and why.
 #include <gtest/gtest.h>
 
-#include "constraints/flat_sheet_qp.hpp"
+#include "constraints/eol_sheet.hpp"
+#include "crease/geometry/triangle.hpp"
 
 namespace crease {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
 #include "crease/base/require.hpp"
@@ -22,6 +23,7 @@ auto sort_key(const RowInfo& info) {
 
 Row world_row(const RowInfo& info, std::span<const Term> terms, double bound, const DofMap& dofs) {
   CREASE_ASSERT(!terms.empty() && terms.size() <= 3);
+  CREASE_ASSERT(std::is_sorted(terms.begin(), terms.end(), [](auto& a, auto& b) { return a.vertex < b.vertex; }));
   Row row{.info = info, .bound = bound};
   for (const Term& term : terms) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -43,21 +45,31 @@ Row material_row(const RowInfo& info, const Vec2& direction, const DofMap& dofs)
   return row;
 }
 
+Mat3& FreeDirections::projector(int vertex) {
+  if (place_[vertex] < 0) {
+    place_[vertex] = static_cast<int>(projectors_.size());
+    projectors_.push_back(Mat3::Identity());
+  }
+  return projectors_[place_[vertex]];
+}
+
 void FreeDirections::fix_axis(int vertex, int axis) {
-  free_[vertex](axis, axis) = 0;
+  projector(vertex)(axis, axis) = 0;
 }
 
 void FreeDirections::fix_all_but(int vertex, const Vec3& direction) {
-  free_[vertex] = direction * direction.transpose();
+  projector(vertex) = direction * direction.transpose();
 }
 
 bool FreeDirections::leaves_free(const Vec3& direction, std::span<const Term> terms) const {
   double whole = 0, rest = 0;
   for (const Term& term : terms) {
-    whole += term.weight * term.weight * direction.squaredNorm();
-    rest += term.weight * term.weight * (free_[term.vertex] * direction).squaredNorm();
+    const Vec3 part = term.weight * direction;
+    whole += part.squaredNorm();
+    rest += untouched(term.vertex) ? part.squaredNorm() : (projectors_[place_[term.vertex]] * part).squaredNorm();
   }
-  return rest > smallest_free_share * smallest_free_share * whole;
+  const bool decided = rest <= smallest_free_share * smallest_free_share * whole;
+  return !decided;  // NaN is not decided: the row stays and is found out
 }
 
 double gap_velocity(double gap, const ConstraintOptions& options) {
@@ -77,13 +89,13 @@ void sort_rows(std::vector<Row>& rows) {
 }
 
 SparseRows make_matrix(const std::vector<Row>& rows, int n_columns) {
-  std::vector<Eigen::Triplet<double, int>> entries;
-  entries.reserve(9 * rows.size());
-  for (int r = 0; r < static_cast<int>(rows.size()); ++r) {
-    for (int i = 0; i < rows[r].n; ++i) entries.emplace_back(r, rows[r].columns[i], rows[r].values[i]);
-  }
   SparseRows A(static_cast<int>(rows.size()), n_columns);
-  A.setFromTriplets(entries.begin(), entries.end());
+  A.reserve(std::accumulate(rows.begin(), rows.end(), 0, [](int n, const Row& row) { return n + row.n; }));
+  for (int r = 0; r < A.rows(); ++r) {
+    A.startVec(r);
+    for (int i = 0; i < rows[r].n; ++i) A.insertBack(r, rows[r].columns[i]) = rows[r].values[i];
+  }
+  A.finalize();
   return A;
 }
 

@@ -9,7 +9,7 @@
 
 namespace crease {
 
-/// One row before it stands in a matrix: sum values[i] qdot[columns[i]] (= or >=) bound.
+/// One row before it stands in a matrix: sum values[i] qdot[columns[i]] (= or >=) bound; columns ascend.
 struct Row {
   RowInfo info;
   int n = 0;
@@ -24,26 +24,30 @@ struct Term {
   double weight = 0;
 };
 
-/// direction . sum w_i xdot_i; `info.normal` is the direction.
+/// direction . sum w_i xdot_i; `info.normal` is the direction.  @pre terms ascend by vertex
 Row world_row(const RowInfo& info, std::span<const Term> terms, double bound, const DofMap& dofs);
 
 /// direction . Xdot_vertex = 0.  @pre info.vertex is EOL
 Row material_row(const RowInfo& info, const Vec2& direction, const DofMap& dofs);
 
-/// Which directions of xdot no equality row has fixed yet: one orthogonal projector a vertex.
+/// Which directions of xdot no equality row has fixed yet: one orthogonal projector a vertex, kept for those vertices
+/// alone that have an equality.
 class FreeDirections {
  public:
-  explicit FreeDirections(int n_vertices) : free_(n_vertices, Mat3::Identity()) {}
+  explicit FreeDirections(int n_vertices) : place_(n_vertices, -1) {}
   /// @pre only axes are fixed at `vertex` so far
   void fix_axis(int vertex, int axis);
-  /// Only `direction` (unit) stays free.
+  /// Only `direction` (unit, or zero) stays free.
   void fix_all_but(int vertex, const Vec3& direction);
-  bool untouched(int vertex) const { return free_[vertex].trace() > 2.5; }
+  bool untouched(int vertex) const { return place_[vertex] < 0; }
   /// False if the equalities alone decide direction . sum w_i xdot_i, up to a small rest.
   bool leaves_free(const Vec3& direction, std::span<const Term> terms) const;
 
  private:
-  std::vector<Mat3> free_;
+  Mat3& projector(int vertex);
+
+  std::vector<int> place_;  // in projectors_, -1 = all free
+  std::vector<Mat3> projectors_;
 };
 
 /// Velocity towards the cloth's side, relative to the obstacle, that a gap asks for at least [m/s]: a positive gap may

@@ -89,22 +89,32 @@ void Builder::add_eol_material(int vertex) {
   }
 }
 
+// The terms of a contact, ascending by vertex, without those that take no part.
+std::span<const Term> contact_terms(const Contact& contact, std::array<Term, 3>& terms) {
+  std::size_t n = 0;
+  for (int i = 0; i < contact.n_vertices; ++i) {
+    if (std::abs(contact.weights[i]) <= smallest_weight) continue;
+    std::size_t place = n++;
+    for (; place > 0 && terms[place - 1].vertex > contact.vertices[i]; --place) terms[place] = terms[place - 1];
+    terms[place] = {contact.vertices[i], contact.weights[i]};
+  }
+  return {terms.data(), n};
+}
+
 // The point of the cloth that touches now moves with sum w_i xdot_i, also where a vertex is EOL and material flows
 // through that point: it is the surface, not the material, that x + h xdot must keep outside.
 void Builder::add_contact(const Contact& contact) {
-  std::array<Term, 3> terms;
-  std::size_t n = 0;
-  for (int i = 0; i < contact.n_vertices; ++i) {
-    const int vertex = contact.vertices[i];
-    require(vertex >= 0 && vertex < cloth.mesh.vertex_slots(), "build_constraints: expected contacts on this cloth");
-    if (std::abs(contact.weights[i]) > smallest_weight) terms[n++] = {vertex, contact.weights[i]};
-  }
-  require(n > 0, "build_constraints: expected a contact with at least one weight");
+  const auto on_this_cloth = [&](int vertex) { return vertex >= 0 && vertex < cloth.mesh.vertex_slots(); };
+  require(contact.n_vertices >= 1 && contact.n_vertices <= 3 &&
+              std::all_of(contact.vertices.begin(), contact.vertices.begin() + contact.n_vertices, on_this_cloth),
+          "build_constraints: expected contacts of 1 to 3 vertices of this cloth");
+  std::array<Term, 3> buffer;
+  const std::span<const Term> terms = contact_terms(contact, buffer);
+  require(!terms.empty(), "build_constraints: expected a contact with at least one weight");
   FeatureId feature = contact.feature;
   feature.obstacle = contact.obstacle;  // also for a face, which is no feature
   const RowInfo info{.kind = RowKind::Contact, .vertex = terms[0].vertex, .feature = feature, .normal = contact.normal};
-  add_inequality(info, {terms.data(), n},
-                 contact.normal.dot(contact.velocity) + gap_velocity(contact.distance, options));
+  add_inequality(info, terms, contact.normal.dot(contact.velocity) + gap_velocity(contact.distance, options));
 }
 
 void Builder::add_inequality(const RowInfo& info, std::span<const Term> terms, double bound) {
@@ -141,6 +151,7 @@ ConstraintRows build_constraints(const Cloth& cloth, const DofMap& dofs, std::sp
   }
 
   Builder builder{cloth, dofs, obstacles, options};
+  builder.in.reserve(contacts.size() + 2 * static_cast<std::size_t>(cloth.n_eol()));
   for (int vertex = 0; vertex < n; ++vertex) {
     require(dofs.is_eol(vertex) == cloth.is_eol(vertex), "build_constraints: expected the dof map of this cloth");
     if (cloth.pins[vertex] != 0) builder.add_pin(vertex, pins);
