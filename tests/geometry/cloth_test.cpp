@@ -162,8 +162,7 @@ TEST(DofMap, NumbersFiveUnknownsAtEolVerticesAndThreeElsewhere) {
   EXPECT_THROW(scatter_velocity(VecX::Zero(3), dofs, copy), std::invalid_argument);
 }
 
-// -- chains
-// ------------------------------------------------------------------------------------------------------------
+// -- chains ----------------------------------------------------------------------------------------------------------
 
 /// One obstacle edge along a direction, and a sheet whose middle row rides on it.
 struct ChainScene {

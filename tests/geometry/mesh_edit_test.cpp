@@ -36,8 +36,7 @@ int count_tagged(const Mesh& mesh) {
   return n;
 }
 
-// -- split
-// -------------------------------------------------------------------------------------------------------------
+// -- split -----------------------------------------------------------------------------------------------------------
 
 TEST(SplitEdge, KeepsSurfaceTagsAndSlots) {
   for (const auto& [name, flat] : ragged_meshes()) {
@@ -120,8 +119,7 @@ TEST(SplitFace, WorksOnEveryFace) {
   }
 }
 
-// -- flip
-// --------------------------------------------------------------------------------------------------------------
+// -- flip ------------------------------------------------------------------------------------------------------------
 
 TEST(FlipEdge, IsPossibleExactlyWhereAMeshRemains) {
   for (const auto& [name, mesh] : ragged_meshes()) {
@@ -177,8 +175,7 @@ TEST(FlipEdge, RefusesTaggedEdges) {
   }
 }
 
-// -- collapse
-// ----------------------------------------------------------------------------------------------------------
+// -- collapse --------------------------------------------------------------------------------------------------------
 
 /// Faces after `vertex` has moved into `into`.
 std::vector<std::array<int, 3>> merged_faces(const Mesh& mesh, int vertex, int into) {

@@ -126,12 +126,10 @@ bool Mesh::is_border_vertex(int v) const {
 std::vector<int> Mesh::outgoing(int v) const {
   std::vector<int> result;
   result.reserve(8);
-  const int first = vertex_halfedge_[v];
-  int h = first;
-  do {
+  all_outgoing(v, [&](int h) {
     result.push_back(h);
-    h = twin_[prev(h)];
-  } while (h != none && h != first);
+    return true;
+  });
   return result;
 }
 
@@ -150,16 +148,14 @@ std::vector<int> Mesh::neighbours(int v) const {
 }
 
 int Mesh::find_edge(int a, int b) const {
-  const int first = vertex_halfedge_[a];
-  if (first == none) return none;
-  int h = first;
-  while (true) {
-    if (to(h) == b) return h;
-    const int across = twin_[prev(h)];
-    if (across == none) return opposite(h) == b ? prev(h) : none;
-    if (across == first) return none;
-    h = across;
-  }
+  if (!vertex_live(a)) return none;
+  int found = none;
+  all_outgoing(a, [&](int h) {
+    if (to(h) == b) found = h;
+    if (opposite(h) == b && is_border(prev(h))) found = prev(h);
+    return found == none;
+  });
+  return found;
 }
 
 std::vector<int> Mesh::edges() const {

@@ -25,8 +25,7 @@ bool contains(const std::array<int, 3>& face, int v) {
 
 }  // namespace
 
-// -- bookkeeping shared by the operations
-// ------------------------------------------------------------------------------
+// -- bookkeeping shared by the operations ----------------------------------------------------------------------------
 
 int Mesh::add_face(int a, int b, int c) {
   faces_.push_back({a, b, c});
@@ -73,8 +72,7 @@ void Mesh::anchor(int h) {
   vertex_halfedge_[from(start)] = h;
 }
 
-// -- split
-// -------------------------------------------------------------------------------------------------------------
+// -- split -----------------------------------------------------------------------------------------------------------
 
 bool Mesh::can_split(int h, double t) const {
   if (!(t > 0 && t < 1)) return false;
@@ -138,8 +136,7 @@ Mesh::Split Mesh::split_face(int f, const Vec3& b) {
   return {p, {f, f1, f2}};
 }
 
-// -- flip
-// --------------------------------------------------------------------------------------------------------------
+// -- flip ------------------------------------------------------------------------------------------------------------
 
 bool Mesh::can_flip(int h) const {
   const int g = twin_[h];
@@ -175,8 +172,7 @@ std::array<int, 2> Mesh::flip(int h) {
   return {face_of(h), face_of(g)};
 }
 
-// -- collapse
-// ----------------------------------------------------------------------------------------------------------
+// -- collapse --------------------------------------------------------------------------------------------------------
 
 bool Mesh::can_collapse(int h, double min_area) const {
   return can_collapse_vertex(from(h), to(h), min_area);
@@ -187,42 +183,39 @@ Mesh::Collapse Mesh::collapse(int h) {
 }
 
 bool Mesh::can_collapse_vertex(int vertex, int into, double min_area) const {
-  if (!links_allow_collapse(vertex, into) || !tags_allow_collapse(vertex, into)) return false;
-  for (const int h : outgoing(vertex)) {
+  const int edge = find_edge(vertex, into);
+  if (edge == none || !tags_allow_collapse(vertex, edge) || !links_allow_collapse(vertex, into, edge)) return false;
+  return all_outgoing(vertex, [&](int h) {
     const int b = to(h), c = opposite(h);
-    if (b != into && c != into && !is_sound(X[into], X[b], X[c], min_area)) return false;
-  }
-  return true;
+    return b == into || c == into || is_sound(X[into], X[b], X[c], min_area);
+  });
 }
 
 /// Topology: the result is a manifold with the same border components, and no border vertex leaves the border.
-bool Mesh::links_allow_collapse(int vertex, int into) const {
-  const int h = find_edge(vertex, into);
-  if (h == none) return false;
-  if (is_border_vertex(vertex) && (!is_border(h) || is_material_corner(vertex))) return false;
+bool Mesh::links_allow_collapse(int vertex, int into, int edge) const {
+  if (is_border_vertex(vertex) && (!is_border(edge) || is_material_corner(vertex))) return false;
   // A lone triangle has nowhere to go.
-  if (is_border(h) && is_border(next(h)) && is_border(prev(h))) return false;
+  if (is_border(edge) && is_border(next(edge)) && is_border(prev(edge))) return false;
   // Link condition: the only vertices joined to both ends are those opposite to the edge.
-  int common = 0;
-  const auto around = neighbours(into);
-  for (const int v : neighbours(vertex)) common += std::find(around.begin(), around.end(), v) != around.end() ? 1 : 0;
-  return common == (is_border(h) ? 1 : 2);
+  const int third = opposite(edge), fourth = is_border(edge) ? none : opposite(twin_[edge]);
+  const auto is_no_shortcut = [&](int v) {
+    return v == into || v == third || v == fourth || find_edge(v, into) == none;
+  };
+  return all_outgoing(
+      vertex, [&](int h) { return is_no_shortcut(to(h)) && (!is_border(prev(h)) || is_no_shortcut(opposite(h))); });
 }
 
-bool Mesh::tags_allow_collapse(int vertex, int into) const {
-  const auto edge_tag = [this](int a, int b) { return tag_[find_edge(a, b)]; };
-  const int along = edge_tag(vertex, into);
+bool Mesh::tags_allow_collapse(int vertex, int edge) const {
+  const int along = tag_[edge];
   int n_tagged = 0;
-  for (const int v : neighbours(vertex)) {
-    const int tag = edge_tag(vertex, v);
-    if (tag == 0) continue;
-    if (tag != along) return false;
-    ++n_tagged;
-  }
-  if (n_tagged != 0 && n_tagged != 2) return false;
+  const auto fits = [&](int h) {
+    n_tagged += tag_[h] != 0 ? 1 : 0;
+    return tag_[h] == 0 || tag_[h] == along;
+  };
+  const bool all_fit = all_outgoing(vertex, [&](int h) { return fits(h) && (!is_border(prev(h)) || fits(prev(h))); });
+  if (!all_fit || (n_tagged != 0 && n_tagged != 2)) return false;
   // Where two edges merge, two different lines must not.
-  const int h = find_edge(vertex, into);
-  for (const int side : {h, twin_[h]}) {
+  for (const int side : {edge, twin_[edge]}) {
     if (side == none) continue;
     const int p = tag_[next(side)], q = tag_[prev(side)];
     if (p != 0 && q != 0 && p != q) return false;

@@ -56,6 +56,17 @@ class Mesh {
   int halfedge(int v) const { return vertex_halfedge_[v]; }
   /// Half-edges that leave v, counter-clockwise, one a face.
   std::vector<int> outgoing(int v) const;
+  /// Whether `test(h)` holds for all of outgoing(v), asked in that order until one fails; allocates nothing.
+  template <typename Test>
+  bool all_outgoing(int v, Test&& test) const {
+    const int first = vertex_halfedge_[v];
+    int h = first;
+    do {
+      if (!test(h)) return false;
+      h = twin_[prev(h)];
+    } while (h != none && h != first);
+    return true;
+  }
   /// Vertices joined to v by an edge, counter-clockwise; on the border from one border neighbour to the other.
   std::vector<int> neighbours(int v) const;
   /// The half-edge from a to b, or that from b to a if only it exists (border), or none.
@@ -137,8 +148,8 @@ class Mesh {
   void pair_halfedges();         // twins from faces_; throws if an edge is not manifold
   void anchor_vertices();        // vertex_halfedge_ from twins; throws if a vertex is not manifold
   bool winds_once(int v) const;  // whether the faces of an interior vertex go round it once
-  bool tags_allow_collapse(int vertex, int into) const;
-  bool links_allow_collapse(int vertex, int into) const;
+  bool tags_allow_collapse(int vertex, int edge) const;
+  bool links_allow_collapse(int vertex, int into, int edge) const;
   std::optional<std::string> face_trouble(int f) const;
   std::optional<std::string> vertex_trouble(int v, int n_incident) const;
 
