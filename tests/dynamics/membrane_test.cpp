@@ -80,15 +80,15 @@ TEST(Membrane, StiffnessIsHessianWithNegativeEigenvaluesSetToZero) {
     Mat32 F;
     for (int k = 0; k < 6; ++k) F(k % 3, k / 3) = rng.uniform(-1.5, 1.5);  // tension, compression and both
     const auto x = world(F);
-    Eigen::Matrix<double, 6, 6> hessian;
+    MatX hessian(6, 6);
     for (int k = 0; k < 6; ++k) {
       const auto force = [&](double step) {
         return Vec9(membrane_element(unit_triangle, shifted(x, 3 + k, step), cloth).force);
       };
       hessian.col(k) = -testing::central_difference(force, 1e-4).tail<6>();
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(0.5 * (hessian + hessian.transpose()));
-    const Eigen::Matrix<double, 6, 6> projected =
+    const Eigen::SelfAdjointEigenSolver<MatX> eigen(0.5 * (hessian + hessian.transpose()));
+    const MatX projected =
         eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
     const Mat9 stiffness = membrane_element(unit_triangle, x, cloth).stiffness;
     // A stretch of .05 curves psi over .05, hence a truncation error (1e-4/.05)^4 ~ 1e-11 beside 1e-11 of rounding.
@@ -102,7 +102,7 @@ void expect_finite_and_psd(const std::array<Vec3, 3>& x) {
   EXPECT_TRUE(element.force.allFinite());
   ASSERT_TRUE(element.stiffness.allFinite());
   EXPECT_EQ(element.stiffness, element.stiffness.transpose());
-  const Eigen::SelfAdjointEigenSolver<Mat9> eigen(element.stiffness, Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<MatX> eigen(element.stiffness, Eigen::EigenvaluesOnly);
   EXPECT_GE(eigen.eigenvalues()[0], -1e-13 * eigen.eigenvalues()[8]);  // rounding of 9 x 9 products
 }
 

@@ -63,20 +63,26 @@ inline Cloth folded_cloth(int n, double angle, std::uint64_t seed) {
   return cloth;
 }
 
-/// Flags of the unknowns that vertices chosen by `pinned` own: 0 pinned, 1 free.
-inline VecX free_unknowns(const Cloth& cloth, const DofMap& dofs, const std::function<bool(const Vec2&)>& pinned) {
-  VecX free = VecX::Ones(dofs.size());
+/// The motions that are left when the vertices chosen by `pinned` are held: columns of the identity.
+inline MatX free_motions(const Cloth& cloth, const DofMap& dofs, const std::function<bool(const Vec2&)>& pinned) {
+  std::vector<Eigen::Index> free;
   for (int v = 0; v < cloth.mesh.n_vertices(); ++v) {
-    if (pinned(cloth.mesh.X[v])) free.segment(dofs.start[v], dofs.start[v + 1] - dofs.start[v]).setZero();
+    if (pinned(cloth.mesh.X[v])) continue;
+    for (int k = dofs.start[v]; k < dofs.start[v + 1]; ++k) free.push_back(k);
   }
-  return free;
+  MatX motions = MatX::Zero(dofs.size(), static_cast<Eigen::Index>(free.size()));
+  for (std::size_t k = 0; k < free.size(); ++k) motions(free[k], static_cast<Eigen::Index>(k)) = 1;
+  return motions;
 }
 
-/// qdot of H qdot = rhs with the unknowns whose flag in `free` is 0 held at zero.
-inline VecX solve_step(const AssembledSystem& system, const VecX& free) {
-  MatX H = free.asDiagonal() * MatX(system.H) * free.asDiagonal();
-  H.diagonal() += VecX::Ones(free.size()) - free;
-  return Eigen::LDLT<MatX>(H).solve(free.cwiseProduct(system.rhs));
+inline MatX all_motions(const DofMap& dofs) {
+  return MatX::Identity(dofs.size(), dofs.size());
+}
+
+/// qdot of H qdot = rhs among the combinations of the columns of `motions`.
+inline VecX solve_step(const AssembledSystem& system, const MatX& motions) {
+  const MatX H = motions.transpose() * (system.H * motions);
+  return motions * Eigen::LDLT<MatX>(H).solve(motions.transpose() * system.rhs);
 }
 
 inline void advance(Cloth& cloth, const DofMap& dofs, const VecX& q_dot, double h) {
@@ -87,18 +93,17 @@ inline void advance(Cloth& cloth, const DofMap& dofs, const VecX& q_dot, double 
   }
 }
 
-/// Repeats steps of length h, each from rest, until the force on the free unknowns is below `tolerance` [N].
+/// Repeats steps of length h, each from rest, until the force along `motions` is below `tolerance` [N].
 /// Returns false if `max_steps` were not enough.
-inline bool settle(Cloth& cloth, const Material& material, const DynamicsOptions& options,
-                   const std::function<bool(const Vec2&)>& pinned, double h, double tolerance, int max_steps) {
+inline bool settle(Cloth& cloth, const Material& material, const MatX& motions, double h, double tolerance,
+                   int max_steps) {
   const DofMap dofs = make_dof_map(cloth);
-  const VecX free = free_unknowns(cloth, dofs, pinned);
   Assembler assembler;
   for (int step = 0; step < max_steps; ++step) {
     for (Vec3& v : cloth.v) v.setZero();
-    const AssembledSystem& system = assembler.assemble(cloth, dofs, material, options, h, step > 0);
-    if (free.cwiseProduct(system.force).cwiseAbs().maxCoeff() < tolerance) return true;
-    advance(cloth, dofs, solve_step(system, free), h);
+    const AssembledSystem& system = assembler.assemble(cloth, dofs, material, {}, h, step > 0);
+    if ((motions.transpose() * system.force).cwiseAbs().maxCoeff() < tolerance) return true;
+    advance(cloth, dofs, solve_step(system, motions), h);
   }
   return false;
 }
