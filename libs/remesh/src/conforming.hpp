@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "border.hpp"
+#include "crease/collision/contact.hpp"
+#include "editor.hpp"
+#include "features.hpp"
+
+// The stages of conform(), in the order in which they run. All lengths are shares of the two that the user gives, so
+// that a scene at another scale behaves the same.
+namespace crease {
+
+// -- shares of `merge` (material space) ---------------------------------------------------------------------------------
+/// A chain this near to a border that runs along it, or to a material corner, is released.
+inline constexpr double release_share = 0.35;
+/// Nothing is inserted nearer to such a border than this: the gap to release_share is the hysteresis.
+inline constexpr double insert_border_share = 0.5;
+/// A crossing this near to an end of its cloth edge makes that end the EOL vertex, instead of a new one beside it.
+inline constexpr double adopt_share = 0.25;
+/// Neighbours on a chain nearer than this become one. Below sqrt(1 - thin_share^2): see merge.cpp.
+inline constexpr double chain_merge_share = 0.75;
+/// Triangles at a chain with less altitude than this are repaired.
+inline constexpr double thin_share = 0.5;
+/// ... by force, below this.
+inline constexpr double forced_share = 0.3;
+/// What is left below this is reported.
+inline constexpr double report_share = 0.2;
+// -- shares of `snap` (world) -------------------------------------------------------------------------------------------
+/// An EOL vertex farther than this from its feature has left it.
+inline constexpr double leave_share = 2;
+// -- share of the border angle ------------------------------------------------------------------------------------------
+/// A chain that meets the border at less than this share of the angle is released.
+inline constexpr double release_angle_share = 0.75;
+
+/// What the stages share.
+struct Conforming {
+  Conforming(const Cloth& given, Obstacles obstacles_, const ConformOptions& options_)
+      : editor(given), obstacles(obstacles_), options(options_), border(given.mesh) {}
+
+  Editor editor;
+  Obstacles obstacles;
+  const ConformOptions& options;
+  Border border;
+  std::vector<int> newcomers;  ///< EOL vertices from contact, velocity not shared yet
+
+  const Cloth& cloth() const { return editor.cloth(); }
+  const Mesh& mesh() const { return editor.mesh(); }
+  double merge(double share) const { return share * options.merge; }
+  /// Cosine of a share of the border angle.
+  double border_cosine(double share) const;
+};
+
+/// A point of the surface: where it is and how it moves.
+struct SurfacePoint {
+  Vec2 X;
+  Vec3 x, v;
+};
+SurfacePoint on_edge_point(const Cloth& cloth, int h, double t);
+
+// -- stages ---------------------------------------------------------------------------------------------------------------
+void release_strays(Conforming& c);
+void insert_contacts(Conforming& c, std::span<const Contact> contacts);
+void connect_chains(Conforming& c);
+void merge_near_chains(Conforming& c);
+/// Eq. 13 for every vertex that became EOL in this call.
+void share_velocities(Conforming& c);
+
+// -- shared by insertion and connection -----------------------------------------------------------------------------------
+/// Why no vertex may begin to ride on `feature` at the material point P, whose chain would run along `direction`.
+/// `border_edge`: the border half-edge on which P lies, or none.
+std::optional<RefusalReason> inadmissible(const Conforming& c, const Vec2& P, const Vec2& direction, int border_edge);
+/// Whether the surface point is off the feature and moving away from it.
+bool separates(const Conforming& c, const FeatureId& feature, const SurfacePoint& point);
+/// Makes `vertex` ride on the feature after sliding it to `point`; false where it may not move there.
+/// @param along_border  the way there is a border edge
+bool adopt(Conforming& c, int vertex, const SurfacePoint& point, const FeatureId& feature, bool along_border);
+/// Splits edge h at t for a new vertex that rides on the feature; the vertex, or none.
+int insert_on_edge(Conforming& c, int h, double t, const FeatureId& feature);
+
+}  // namespace crease

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "features.hpp"
+
+#include <algorithm>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace crease {
+
+bool exists(const FeatureId& feature, Obstacles obstacles) {
+  if (feature.kind == FeatureKind::None || feature.obstacle < 0 || feature.index < 0) return false;
+  if (feature.obstacle >= static_cast<int>(obstacles.size())) return false;
+  const ObstacleShape& shape = *obstacles[feature.obstacle].shape;
+  const std::size_t n = feature.kind == FeatureKind::Edge ? shape.edges.size() : shape.corners.size();
+  return feature.index < static_cast<int>(n);
+}
+
+WorldEdge world_edge(const FeatureId& edge, Obstacles obstacles) {
+  const PosedObstacle& obstacle = obstacles[edge.obstacle];
+  const SharpEdge& local = obstacle.shape->edges[edge.index];
+  const double length = (local.b - local.a).norm();
+  return {obstacle.pose.to_world(local.a), obstacle.pose.rotation * (local.b - local.a) / length, length};
+}
+
+Vec3 nearest_on(const FeatureId& feature, Obstacles obstacles, const Vec3& x) {
+  const PosedObstacle& obstacle = obstacles[feature.obstacle];
+  if (feature.kind == FeatureKind::Corner)
+    return obstacle.pose.to_world(obstacle.shape->corners[feature.index].position);
+  const WorldEdge edge = world_edge(feature, obstacles);
+  return edge.a + std::clamp(edge.parameter(x), 0.0, edge.length) * edge.tangent;
+}
+
+Vec3 velocity_at(const FeatureId& feature, Obstacles obstacles, const Vec3& x) {
+  return obstacles[feature.obstacle].pose.velocity_at(x);
+}
+
+bool lies_on(const FeatureId& vertex, const FeatureId& edge, Obstacles obstacles) {
+  if (vertex == edge) return true;
+  if (vertex.kind != FeatureKind::Corner || vertex.obstacle != edge.obstacle) return false;
+  const SharpEdge& local = obstacles[edge.obstacle].shape->edges[edge.index];
+  return local.corners[0] == vertex.index || local.corners[1] == vertex.index;
+}
+
+Vec2 pull_back(const Mat32& F, const Vec3& d) {
+  const Mat2 C = F.transpose() * F;
+  const Vec2 right = F.transpose() * d;
+  // The adjugate of C: only the direction is wanted, and the determinant may be small.
+  const Vec2 t(C(1, 1) * right.x() - C(0, 1) * right.y(), C(0, 0) * right.y() - C(1, 0) * right.x());
+  if (t.norm() > 0) return t.normalized();
+  return right.norm() > 0 ? Vec2(right.normalized()) : Vec2(1, 0);
+}
+
+}  // namespace crease

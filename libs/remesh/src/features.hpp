@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+
+#include "crease/geometry/cloth.hpp"
+#include "crease/geometry/obstacle.hpp"
+
+namespace crease {
+
+using Obstacles = std::span<const PosedObstacle>;
+
+/// A sharp edge where it is now.
+struct WorldEdge {
+  Vec3 a, tangent;  ///< starts at a; unit tangent
+  double length;
+  double parameter(const Vec3& x) const { return (x - a).dot(tangent); }  ///< [m], in [0, length] on the edge
+};
+
+/// Whether the feature's obstacle, and on it the feature, is there.
+bool exists(const FeatureId& feature, Obstacles obstacles);
+
+/// @pre exists(edge), kind Edge
+WorldEdge world_edge(const FeatureId& edge, Obstacles obstacles);
+
+/// The point of the feature that is closest to x.
+Vec3 nearest_on(const FeatureId& feature, Obstacles obstacles, const Vec3& x);
+
+/// Velocity of the feature's obstacle at x.
+Vec3 velocity_at(const FeatureId& feature, Obstacles obstacles, const Vec3& x);
+
+/// Whether a vertex that rides on `vertex` is on the edge: EOL on it, or at a corner where it ends.
+bool lies_on(const FeatureId& vertex, const FeatureId& edge, Obstacles obstacles);
+
+/// Unit material direction whose image under F is nearest to the world direction d.
+Vec2 pull_back(const Mat32& F, const Vec3& d);
+
+}  // namespace crease

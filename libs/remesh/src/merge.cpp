@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+#include "conforming.hpp"
+#include "crease/geometry/triangle.hpp"
+#include "guard.hpp"
+#include "metric.hpp"
+
+// Keeps the way of a chain through the material open. An EOL vertex may move per step by a share of its height over the
+// triangles ahead, and they shrink as it moves: whatever comes near is absorbed.
+//
+// Per EOL vertex, until nothing is due:
+//  - neighbours on the chain that are too near become one;
+//  - a free vertex r that is too near, or low over a chain edge, goes into the chain: into one of its vertices, or, if
+//    that leaves poor triangles, into a new one at r's foot. A foot is at least sqrt(1 - thin^2) merges from both ends of
+//    its edge, or r would be near one of them; so it is not merged away again, and each vertex is absorbed once;
+//  - an obtuse triangle whose longest side faces the chain is flipped.
+// Absorbing removes a vertex, merging too, a flip raises the smallest altitude by a fixed factor; a budget ends it in any
+// case. Permission to move the surface grows as room shrinks: a small dent in the cloth is better than a step that
+// cannot be taken.
+namespace crease {
+
+namespace {
+
+// A flip must raise the smallest altitude of its two faces by this.
+constexpr double flip_gain = 1.2;
+// Absorbing into an existing vertex leaves at least this share of `merge` of altitude, or a foot is tried.
+constexpr double good_altitude_share = 0.8;
+// Absorbing must leave this much more room than there was, unless there is plenty.
+constexpr double room_gain = 1.5;
+// A foot nearer to an end of its chain edge than this share of `merge` is that end.
+constexpr double least_foot_share = 0.5;
+// Operations per EOL vertex and call.
+constexpr int budget_per_vertex = 10;
+constexpr int least_budget = 50;
+
+// How much the surface may change.
+struct Permission {
+  double turn;      // of a face normal [rad]
+  double shift;     // of the removed vertex [m]
+  double dihedral;  // across a flipped edge [rad]
+  bool forced;
+};
+
+class Merger {
+ public:
+  explicit Merger(Conforming& conforming) : c_(conforming) {}
+  void run();
+
+ private:
+  /// Where a vertex may be absorbed: into a chain vertex, or at t on a chain edge.
+  struct Way {
+    int into = Mesh::none, edge = Mesh::none;
+    double t = 0;
+    double altitude = 0;  // smallest that it leaves [m]
+  };
+  const Cloth& cloth() const { return c_.cloth(); }
+  const Mesh& mesh() const { return c_.mesh(); }
+  double distance(int a, int b) const { return (mesh().X[b] - mesh().X[a]).norm(); }
+
+  Permission permission(double room) const;
+  bool settle(int v);
+  bool shorten_chain(int v);
+  bool drop_dangling(int v, int q);
+  bool absorb_neighbours(int v);
+  double altitude_after(int r, const Target& target, const Permission& allowed) const;
+  Way best_vertex(int r, const Permission& allowed) const;
+  Way best_foot(int r, const Permission& allowed) const;
+  bool absorb(int r, double room);
+  bool open_faces(int v);
+  double height(int face, int v) const;
+  std::optional<double> foot(int h, int r) const;
+  void report_thin(int v);
+
+  Conforming& c_;
+  int budget_ = 0;
+};
+
+Permission Merger::permission(double room) const {
+  const double snap = c_.options.snap;
+  if (room < c_.merge(forced_share)) return {1.2, 4 * snap, 1.2, true};
+  if (room < c_.merge(thin_share)) return {0.7, 2 * snap, 0.7, false};
+  return {0.35, snap, flip_dihedral, false};
+}
+
+// Height of corner v over the opposite side of a face.
+double Merger::height(int face, int v) const {
+  const std::array<int, 3>& f = mesh().face(face);
+  const int k = f[0] == v ? 0 : f[1] == v ? 1 : 2;
+  const double side = mesh().material_length(Mesh::next(3 * face + k));
+  return 2 * mesh().material_area(face) / side;
+}
+
+// Parameter of r's foot on edge h if it is well inside.
+std::optional<double> Merger::foot(int h, int r) const {
+  const Vec2 a = mesh().X[mesh().from(h)], e = mesh().X[mesh().to(h)] - a;
+  const double length = e.norm(), along = e.dot(mesh().X[r] - a) / length, margin = c_.merge(least_foot_share);
+  if (along < margin || along > length - margin) return std::nullopt;
+  return along / length;
+}
+
+bool Merger::shorten_chain(int v) {
+  struct Merge {
+    int gone, into;
+    double altitude;
+  };
+  std::optional<Merge> best;
+  const auto offer = [&](int gone, int into) {
+    if (cloth().feature[gone].kind != FeatureKind::Edge || cloth().pins[gone] != 0) return;
+    if (mesh().is_border_vertex(gone) || !mesh().can_collapse_vertex(gone, into)) return;
+    const Ring ring = ring_after(cloth(), gone, at_vertex(mesh(), into));
+    const Permission allowed = permission(c_.merge(thin_share));
+    if (!ring.sound || ring.turn > allowed.turn || ring.shift > allowed.shift) return;
+    if (!best || ring.altitude > best->altitude) best = Merge{gone, into, ring.altitude};
+  };
+  for (const int q : mesh().neighbours(v)) {
+    if (mesh().tag(mesh().find_edge(v, q)) == 0 || distance(v, q) >= c_.merge(chain_merge_share)) continue;
+    if (drop_dangling(v, q) || drop_dangling(q, v)) return true;
+    offer(v, q);
+    offer(q, v);
+  }
+  if (!best) return false;
+  c_.editor.collapse(best->gone, best->into);
+  return true;
+}
+
+// A chain that ends inside the cloth has one link at its last vertex, which the mesh does not collapse: it is let go.
+bool Merger::drop_dangling(int v, int q) {
+  if (cloth().feature[v].kind != FeatureKind::Edge || cloth().pins[v] != 0 || mesh().is_border_vertex(v)) return false;
+  if (distance(v, q) >= c_.merge(thin_share)) return false;
+  int links = 0;
+  for (const int u : mesh().neighbours(v)) links += mesh().tag(mesh().find_edge(v, u)) != 0 ? 1 : 0;
+  if (links != 1) return false;
+  const Ring ring = ring_after(cloth(), v, at_vertex(mesh(), q));
+  if (!ring.sound || ring.turn > permission(0).turn) return false;
+  c_.editor.release(v);
+  if (mesh().can_collapse_vertex(v, q)) c_.editor.collapse(v, q);
+  return true;
+}
+
+bool Merger::absorb_neighbours(int v) {
+  std::vector<std::pair<double, int>> near;
+  for (const int h : mesh().outgoing(v)) {
+    for (const int r : {mesh().to(h), mesh().opposite(h)}) {
+      if (cloth().is_eol(r)) continue;
+      if (const double d = distance(v, r); d < c_.options.merge) near.emplace_back(d, r);
+    }
+    // The two faces of a chain edge, each seen from one of its ends.
+    for (const int side : {h, mesh().twin(h)}) {
+      if (side == Mesh::none || mesh().tag(side) == 0) continue;
+      const int r = mesh().opposite(side);
+      const double d = height(Mesh::face_of(side), r);
+      if (!cloth().is_eol(r) && d < c_.merge(thin_share) && foot(side, r)) near.emplace_back(d, r);
+    }
+  }
+  std::sort(near.begin(), near.end());
+  for (const auto& [room, r] : near)
+    if (absorb(r, room)) return true;
+  return false;
+}
+
+double Merger::altitude_after(int r, const Target& target, const Permission& allowed) const {
+  const Ring ring = ring_after(cloth(), r, target);
+  if (!ring.sound || ring.turn > allowed.turn || ring.shift > allowed.shift) return 0;
+  if (!allowed.forced && ring.angle < std::min(least_angle, ring.angle_before)) return 0;
+  return ring.altitude;
+}
+
+Merger::Way Merger::best_vertex(int r, const Permission& allowed) const {
+  Way best;
+  for (const int p : mesh().neighbours(r)) {
+    if (!cloth().is_eol(p) || !mesh().can_collapse_vertex(r, p)) continue;
+    const double altitude = altitude_after(r, at_vertex(mesh(), p), allowed);
+    if (altitude > best.altitude) best = {p, Mesh::none, 0, altitude};
+  }
+  return best;
+}
+
+Merger::Way Merger::best_foot(int r, const Permission& allowed) const {
+  Way best;
+  if (mesh().is_border_vertex(r)) return best;
+  for (const int out : mesh().outgoing(r)) {
+    const int h = Mesh::next(out), g = mesh().twin(h);
+    const std::optional<double> t = foot(h, r);
+    if (mesh().tag(h) == 0 || !t || !mesh().can_split(h, *t)) continue;
+    // After the split the new vertex sees r and the vertex across; were those two joined, the collapse could not be.
+    if (g != Mesh::none && mesh().find_edge(r, mesh().opposite(g)) != Mesh::none) continue;
+    const double altitude = altitude_after(r, on_edge(mesh(), mesh().from(h), mesh().to(h), *t), allowed);
+    if (altitude > best.altitude) best = {Mesh::none, h, *t, altitude};
+  }
+  return best;
+}
+
+bool Merger::absorb(int r, double room) {
+  if (cloth().pins[r] != 0 || (mesh().is_border_vertex(r) && mesh().is_material_corner(r))) return false;
+  const Permission allowed = permission(room);
+  const Way vertex = best_vertex(r, allowed), foot = best_foot(r, allowed);
+  const double needed = std::min(c_.merge(thin_share), room_gain * room);
+  if (vertex.altitude >= needed && vertex.altitude >= std::min(c_.merge(good_altitude_share), foot.altitude)) {
+    c_.editor.collapse(r, vertex.into);
+    return true;
+  }
+  if (foot.altitude < needed) return false;
+  const int m = c_.editor.split(foot.edge, foot.t).vertex;
+  if (mesh().can_collapse_vertex(r, m)) c_.editor.collapse(r, m);
+  return true;
+}
+
+bool Merger::open_faces(int v) {
+  for (const int out : mesh().outgoing(v)) {
+    const double room = height(Mesh::face_of(out), v);
+    if (room >= c_.merge(thin_share)) continue;
+    int longest = out;
+    for (const int h : {Mesh::next(out), Mesh::prev(out)})
+      if (mesh().material_length(h) > mesh().material_length(longest)) longest = h;
+    const FlipCheck check = flip_check(cloth(), longest);
+    const Permission allowed = permission(room);
+    if (!check.sound || check.dihedral > allowed.dihedral || check.altitude < flip_gain * check.altitude_before) continue;
+    if (!allowed.forced) {
+      // What adapt() would flip back is left alone.
+      const auto& X = mesh().X;
+      const int other = mesh().opposite(mesh().twin(longest));
+      if (opposite_angle_sine(X[mesh().from(longest)], X[mesh().opposite(longest)], X[mesh().to(longest)], X[other],
+                              Mat2::Identity()) >= 0)
+        continue;
+    }
+    c_.editor.flip(longest);
+    return true;
+  }
+  return false;
+}
+
+bool Merger::settle(int v) {
+  bool changed = false;
+  while (mesh().vertex_live(v) && cloth().is_eol(v) && budget_ > 0) {
+    if (!shorten_chain(v) && !absorb_neighbours(v) && !open_faces(v)) break;
+    changed = true;
+    --budget_;
+  }
+  return changed;
+}
+
+void Merger::report_thin(int v) {
+  for (const int h : mesh().outgoing(v)) {
+    if (height(Mesh::face_of(h), v) >= c_.merge(report_share)) continue;
+    c_.editor.refuse(RefusalReason::TooThin, v, mesh().X[v]);
+    return;
+  }
+}
+
+void Merger::run() {
+  const auto is_eol = [&](int v) { return mesh().vertex_live(v) && cloth().is_eol(v); };
+  int n = 0;
+  for (int v = 0; v < mesh().vertex_slots(); ++v) n += is_eol(v) ? 1 : 0;
+  budget_ = least_budget + budget_per_vertex * n;
+  for (bool changed = true; changed && budget_ > 0;) {
+    changed = false;
+    for (int v = 0; v < mesh().vertex_slots(); ++v)
+      if (is_eol(v)) changed |= settle(v);
+  }
+  if (budget_ == 0) c_.editor.refuse(RefusalReason::BudgetSpent, Mesh::none, Vec2::Zero());
+  for (int v = 0; v < mesh().vertex_slots(); ++v)
+    if (is_eol(v)) report_thin(v);
+}
+
+}  // namespace
+
+void merge_near_chains(Conforming& c) { Merger(c).run(); }
+
+}  // namespace crease

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+
+#include "conforming.hpp"
+#include "crease/geometry/chain.hpp"
+
+namespace crease {
+
+namespace {
+
+bool has_left(const Conforming& c, int v) {
+  const FeatureId& feature = c.cloth().feature[v];
+  if (!exists(feature, c.obstacles)) return true;
+  const double reach = leave_share * c.options.snap;
+  const Vec3& x = c.mesh().x[v];
+  // Past the end of an edge the nearest point is its end, so this covers it too.
+  return (x - nearest_on(feature, c.obstacles, x)).norm() > reach;
+}
+
+// On the border: its chain has turned to run along it.
+bool hugs_border(const Conforming& c, int v) {
+  const Mesh& mesh = c.mesh();
+  const Vec2 normal = border_normal(mesh, v);
+  const double limit = c.border_cosine(release_angle_share);
+  for (const int u : mesh.neighbours(v)) {
+    if (mesh.tag(mesh.find_edge(v, u)) == 0) continue;
+    const Vec2 e = mesh.X[u] - mesh.X[v];
+    if (std::abs(e.x() * normal.y() - e.y() * normal.x()) > limit * e.norm()) return true;
+  }
+  return false;
+}
+
+bool is_crowded(const Conforming& c, int v) {
+  const Mesh& mesh = c.mesh();
+  const double reach = c.merge(release_share);
+  if (c.border.corner_distance(mesh.X[v]) < reach) return true;
+  if (mesh.is_border_vertex(v)) return c.cloth().feature[v].kind == FeatureKind::Corner || hugs_border(c, v);
+  if (c.border.distance(mesh.X[v]) >= reach) return false;
+  if (c.cloth().feature[v].kind == FeatureKind::Corner) return true;
+  const Vec2 tangent = chain_tangent(c.cloth(), v, c.obstacles);
+  return c.border.distance_along(mesh.X[v], tangent, c.border_cosine(release_angle_share)) < reach;
+}
+
+}  // namespace
+
+// All are judged before any is released: a release clears the tags that the others' tangents come from.
+void release_strays(Conforming& c) {
+  std::vector<int> strays;
+  for (int v = 0; v < c.mesh().vertex_slots(); ++v)
+    if (c.cloth().is_eol(v) && (has_left(c, v) || is_crowded(c, v))) strays.push_back(v);
+  for (const int v : strays) c.editor.release(v);
+}
+
+}  // namespace crease
