@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 #include <utility>
 
 namespace crease {
@@ -29,16 +30,14 @@ void write_whole(const std::filesystem::path& path, std::string_view bytes) {
   std::FILE* file = std::fopen(part.c_str(), "wb");
   if (!file) fail(path, errno);
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  int error = errno;
-  if (std::fclose(file) != 0 || !written) {  // a full disk may show only when the buffer is flushed
-    if (!error) error = errno;
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    fail(path, error);
-  }
-  std::error_code renamed;
-  std::filesystem::rename(part, path, renamed);
-  if (renamed) throw FileError(path, renamed.message());
+  int error = written ? 0 : errno;
+  if (std::fclose(file) != 0 && !error) error = errno;  // a full disk may show only when the buffer is flushed
+  std::error_code trouble(error, std::generic_category());
+  if (!trouble) std::filesystem::rename(part, path, trouble);
+  if (!trouble) return;
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  throw FileError(path, trouble.message());
 }
 
 std::string read_whole(const std::filesystem::path& path) {

@@ -13,10 +13,10 @@ namespace crease {
 
 struct RunOptions {
   std::filesystem::path directory;
-  std::optional<double> until;  ///< stop after the first step that ends at or after it [s]
-  bool force = false;           ///< write into a directory that is not empty; an earlier run's files go
-  bool resume = false;          ///< continue from the last checkpoint
-  std::string command_line;     ///< recorded in summary.json
+  std::optional<double> until = {};  ///< stop after the first step that ends at or after it [s]
+  bool force = false;                ///< write into a directory that is not empty; an earlier run's files go
+  bool resume = false;               ///< continue from the last checkpoint
+  std::string command_line = {};     ///< recorded in summary.json
   /// Makes the stages of each sheet: assign another function to run with a stage of your own.
   std::function<Stages(const Scene&, const ClothSpec&)> stages = make_stages;
 };
