@@ -24,7 +24,7 @@ enum class RowKind {
 /// Where a row came from: enough to read its multiplier and to carry its activity to the next step.
 struct RowInfo {
   RowKind kind = RowKind::Contact;
-  int vertex = -1;       ///< the (first) vertex
+  int vertex = -1;       ///< the vertex; the lowest of those that take part
   FeatureId feature;
   int slot = 0;          ///< which normal / which axis
   Vec3 normal = Vec3::Zero();
