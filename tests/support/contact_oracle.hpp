@@ -78,14 +78,15 @@ class BoxOracle {
     return 0;
   }
 
-  // Penetrations: must not be deeper than the cloth's corner points lie below the faces that count.
-  bool way_out(double depth, double reach, const Vec3& outward, std::span<const Vec3> points, int along) const {
+  // Penetrations: must not be deeper than the cloth's corner points lie below any face, with a little room for the
+  // feature's own faces (those on the side of `signs`).
+  bool way_out(double depth, std::span<const Vec3> points, const Vec3& signs) const {
     for (int axis = 0; axis < 3; ++axis) {
       for (const int s : {1, -1}) {
-        if (depth <= reach ? s * outward[axis] > -std::sin(2 * degrees) : axis == along) continue;
         double deepest = 0;
         for (const Vec3& p : points) deepest = std::max(deepest, box_.shape->half_size[axis] - s * p[axis]);
-        if (depth > 1.001 * deepest + 1e-9) return false;
+        const double slack = s * signs[axis] > 0 ? 0.1 * options_.threshold : 0.0;
+        if (depth > 1.001 * deepest + slack + 1e-9) return false;
       }
     }
     return true;
@@ -104,11 +105,11 @@ class BoxOracle {
     if (direction.cross(tangent).norm() < std::sin(2 * degrees)) return;
     if (std::min({pair.s, pair.t, 1 - pair.s, 1 - pair.t}) <= 1e-12) return;
     const Vec3 offset = x[0] + pair.s * (x[1] - x[0]) - sharp.a - pair.t * (sharp.b - sharp.a);
-    const Vec3 signs = sharp.normals[0] + sharp.normals[1] + tangent;
-    const int s = side(offset, signs, Vec3::Ones() - tangent);
+    const Vec3 own = sharp.normals[0] + sharp.normals[1];
+    const int s = side(offset, own + tangent, Vec3::Ones() - tangent);
     const double limit = reach((1 - pair.s) * relative(ends[0]) + pair.s * relative(ends[1]));
     if (s == 0 || (s > 0 && pair.distance > limit)) return;
-    if (s < 0 && !way_out(pair.distance, limit, -offset.normalized(), x, e / 4)) return;
+    if (s < 0 && !way_out(pair.distance, x, own)) return;
     found[{index_, static_cast<int>(ContactType::EdgeEdge), e, h}] = s * pair.distance;
   }
 
@@ -123,10 +124,11 @@ class BoxOracle {
     const Vec3 w = closest_on_triangle(sharp.position, x);
     if (w.minCoeff() <= 1e-12) return;
     const Vec3 offset = w[0] * x[0] + w[1] * x[1] + w[2] * x[2] - sharp.position;
-    const int s = side(offset, sharp.normals[0] + sharp.normals[1] + sharp.normals[2], Vec3::Ones());
+    const Vec3 own = sharp.normals[0] + sharp.normals[1] + sharp.normals[2];
+    const int s = side(offset, own, Vec3::Ones());
     const double limit = reach(w[0] * relative(face[0]) + w[1] * relative(face[1]) + w[2] * relative(face[2]));
     if (s == 0 || (s > 0 && offset.norm() > limit)) return;
-    if (s < 0 && !way_out(offset.norm(), limit, -offset.normalized(), x, -1)) return;
+    if (s < 0 && !way_out(offset.norm(), x, own)) return;
     found[{index_, static_cast<int>(ContactType::CornerFace), c, f}] = s * offset.norm();
   }
 

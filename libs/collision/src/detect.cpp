@@ -14,30 +14,54 @@ namespace {
 // Added to the broad phase's bounds [m], so that round-off in them never decides about a contact.
 constexpr double round_off = 1e-8;
 
-// What the broad phase leaves over of the cloth, each list ascending.
-struct Candidates {
-  std::vector<int> vertices, edges, faces;
-};
-
 void sort_unique(std::vector<int>& ids) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-Candidates around(const Mesh& mesh, std::vector<int> faces) {
-  Candidates found;
-  found.vertices.reserve(3 * faces.size());
-  found.edges.reserve(3 * faces.size());
+// Ascending, each once.
+std::vector<int> vertices_of(const Mesh& mesh, std::span<const int> faces) {
+  std::vector<char> marked(mesh.X.size(), 0);
   for (const int f : faces) {
-    for (int k = 0; k < 3; ++k) {
-      found.vertices.push_back(mesh.face(f)[static_cast<std::size_t>(k)]);
-      found.edges.push_back(mesh.edge_of(3 * f + k));
+    for (const int i : mesh.face(f)) marked[static_cast<std::size_t>(i)] = 1;
+  }
+  std::vector<int> vertices;
+  for (int i = 0; i < mesh.vertex_slots(); ++i) {
+    if (marked[static_cast<std::size_t>(i)]) vertices.push_back(i);
+  }
+  return vertices;
+}
+
+// Canonical half-edges, ascending, each once.
+std::vector<int> edges_of(const Mesh& mesh, std::span<const int> faces) {
+  std::vector<int> edges;
+  for (const int f : faces) {
+    for (int k = 0; k < 3; ++k) edges.push_back(mesh.edge_of(3 * f + k));
+  }
+  sort_unique(edges);
+  return edges;
+}
+
+// Faces that reach deeper than `depth` below every face of the solid. All others, and their edges, touch a sharp
+// feature only near it: their penetrations are bounded by shallow_bound.
+std::vector<int> deep_faces(const Mesh& mesh, const PlacedObstacle& obstacle, std::span<const int> faces,
+                            std::span<const int> vertices, double depth) {
+  if (obstacle.faces.empty()) return {};
+  std::vector<unsigned> above(mesh.X.size(), 0);  // bit k: not deeper than `depth` below face k
+  for (const int i : vertices) {
+    const auto v = static_cast<std::size_t>(i);
+    for (std::size_t k = 0; k < obstacle.faces.size(); ++k) {
+      const FacePlane& face = obstacle.faces[k];
+      if (face.offset - face.normal.dot(mesh.x[v]) <= depth) above[v] |= 1u << k;
     }
   }
-  sort_unique(found.vertices);
-  sort_unique(found.edges);
-  found.faces = std::move(faces);
-  return found;
+  std::vector<int> deep;
+  for (const int f : faces) {
+    const auto& [a, b, c] = mesh.face(f);
+    const auto bits = [&](int i) { return above[static_cast<std::size_t>(i)]; };
+    if ((bits(a) & bits(b) & bits(c)) == 0) deep.push_back(f);
+  }
+  return deep;
 }
 
 // Nothing of the cloth beyond this distance of the obstacle is in reach: motion is affine on every face, so that its
@@ -72,23 +96,57 @@ void check(const Cloth& cloth, std::span<const PosedObstacle> obstacles, const D
   }
 }
 
-// In the order the header promises; features in the outer loops.
-void append_contacts(const Cloth& cloth, const PlacedObstacle& obstacle, const Candidates& candidates,
-                     const DetectOptions& options, std::vector<Contact>& contacts) {
-  const NarrowPhase narrow(cloth, obstacle, options);
-  const auto append = [&](std::optional<Contact>&& contact) {
-    if (contact) contacts.push_back(*contact);
-  };
-  if (!obstacle.faces.empty()) {
-    for (const int vertex : candidates.vertices) append(narrow.vertex_face(vertex));
+// One obstacle's contacts in the order the header promises. The tree is asked once for the whole obstacle and, for what
+// is left of the cloth, once for each sharp feature.
+class ObstacleSearch {
+ public:
+  ObstacleSearch(const Cloth& cloth, const FaceTree& tree, const PlacedObstacle& obstacle, const DetectOptions& options)
+      : mesh_(cloth.mesh),
+        tree_(tree),
+        obstacle_(obstacle),
+        options_(options),
+        narrow_(cloth, obstacle, options),
+        reach_(largest_reach(cloth, obstacle.source.pose, options)) {}
+
+  void append_to(std::vector<Contact>& contacts) const {
+    const std::vector<int> faces = tree_.overlapping(grown(obstacle_.bounds, reach_));
+    if (faces.empty()) return;
+    const auto append = [&](const std::optional<Contact>& contact) {
+      if (contact) contacts.push_back(*contact);
+    };
+    const std::vector<int> vertices = vertices_of(mesh_, faces);
+    if (!obstacle_.faces.empty()) {
+      for (const int vertex : vertices) append(narrow_.vertex_face(vertex));
+    }
+    const std::vector<int> deep = deep_faces(mesh_, obstacle_, faces, vertices, options_.threshold);
+    for (int e = 0; e < static_cast<int>(obstacle_.edges.size()); ++e) {
+      const PlacedEdge& edge = obstacle_.edges[static_cast<std::size_t>(e)];
+      Eigen::AlignedBox3d bounds(edge.a);
+      bounds.extend(edge.a + edge.length * edge.tangent);
+      for (const int halfedge : edges_of(mesh_, faces_near(bounds, deep))) append(narrow_.edge_edge(halfedge, e));
+    }
+    for (int c = 0; c < static_cast<int>(obstacle_.corners.size()); ++c) {
+      const Eigen::AlignedBox3d bounds(obstacle_.corners[static_cast<std::size_t>(c)].position);
+      for (const int face : faces_near(bounds, deep)) append(narrow_.corner_face(c, face));
+    }
   }
-  for (int e = 0; e < static_cast<int>(obstacle.edges.size()); ++e) {
-    for (const int halfedge : candidates.edges) append(narrow.edge_edge(halfedge, e));
+
+ private:
+  std::vector<int> faces_near(const Eigen::AlignedBox3d& feature, std::span<const int> deep) const {
+    std::vector<int> faces = tree_.overlapping(grown(feature, shallow_bound * reach_));
+    if (deep.empty()) return faces;
+    faces.insert(faces.end(), deep.begin(), deep.end());
+    sort_unique(faces);
+    return faces;
   }
-  for (int c = 0; c < static_cast<int>(obstacle.corners.size()); ++c) {
-    for (const int face : candidates.faces) append(narrow.corner_face(c, face));
-  }
-}
+
+  const Mesh& mesh_;
+  const FaceTree& tree_;
+  const PlacedObstacle& obstacle_;
+  const DetectOptions& options_;
+  NarrowPhase narrow_;
+  double reach_;
+};
 
 }  // namespace
 
@@ -109,10 +167,7 @@ std::vector<Contact> Detector::detect(const Cloth& cloth, std::span<const PosedO
   impl_->tree.update(cloth.mesh);
   for (int o = 0; o < static_cast<int>(obstacles.size()); ++o) {
     const PlacedObstacle obstacle = place(obstacles[static_cast<std::size_t>(o)], o);
-    const double reach = largest_reach(cloth, obstacle.source.pose, options);
-    std::vector<int> faces = impl_->tree.overlapping(grown(obstacle.bounds, reach));
-    if (faces.empty()) continue;
-    append_contacts(cloth, obstacle, around(cloth.mesh, std::move(faces)), options, contacts);
+    ObstacleSearch(cloth, impl_->tree, obstacle, options).append_to(contacts);
   }
   return contacts;
 }

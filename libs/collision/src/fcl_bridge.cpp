@@ -27,8 +27,53 @@ struct FaceTree::Impl {
   std::vector<int> face_ids;                  // live faces, ascending; FCL's triangle k is face_ids[k]
   std::vector<std::array<int, 3>> triangles;  // their vertices
   std::size_t n_points = 0;
-  std::unique_ptr<fcl::BVHModel<fcl::AABBd>> model;  // none without faces: FCL refuses an empty model
+  std::vector<fcl::AABBd> list;                      // one box a live face while there is no tree
+  std::unique_ptr<fcl::BVHModel<fcl::AABBd>> model;  // never empty: FCL refuses an empty model
+
+  bool take_faces(const Mesh& mesh);
+  void fill_list(const Mesh& mesh);
+  void build(const Mesh& mesh);
 };
+
+// Whether they are the same as before.
+bool FaceTree::Impl::take_faces(const Mesh& mesh) {
+  const auto n = static_cast<std::size_t>(mesh.n_faces());
+  bool same = n == face_ids.size() && mesh.x.size() == n_points;
+  face_ids.resize(n);
+  triangles.resize(n);
+  n_points = mesh.x.size();
+  std::size_t k = 0;
+  for (int f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.face_live(f)) continue;
+    same = same && face_ids[k] == f && triangles[k] == mesh.face(f);
+    face_ids[k] = f;
+    triangles[k++] = mesh.face(f);
+  }
+  return same;
+}
+
+void FaceTree::Impl::fill_list(const Mesh& mesh) {
+  list.clear();
+  for (const auto& t : triangles) {
+    fcl::AABBd box;
+    for (const int i : t) box += mesh.x[static_cast<std::size_t>(i)];
+    list.push_back(box);
+  }
+}
+
+void FaceTree::Impl::build(const Mesh& mesh) {
+  std::vector<fcl::Triangle> indices;
+  indices.reserve(triangles.size());
+  for (const auto& t : triangles) {
+    indices.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
+                         static_cast<std::size_t>(t[2]));
+  }
+  list.clear();
+  model = std::make_unique<fcl::BVHModel<fcl::AABBd>>();
+  model->beginModel(static_cast<int>(indices.size()), static_cast<int>(n_points));
+  model->addSubModel(mesh.x, indices);
+  model->endModel();
+}
 
 FaceTree::FaceTree() : impl_(std::make_unique<Impl>()) {}
 FaceTree::~FaceTree() = default;
@@ -36,43 +81,27 @@ FaceTree::FaceTree(FaceTree&&) noexcept = default;
 FaceTree& FaceTree::operator=(FaceTree&&) noexcept = default;
 
 void FaceTree::update(const Mesh& mesh) {
-  std::vector<int> ids;
-  std::vector<std::array<int, 3>> triangles;
-  for (int f = 0; f < mesh.face_slots(); ++f) {
-    if (!mesh.face_live(f)) continue;
-    ids.push_back(f);
-    triangles.push_back(mesh.face(f));
-  }
-  const bool same = ids == impl_->face_ids && triangles == impl_->triangles && mesh.x.size() == impl_->n_points;
-  impl_->face_ids = std::move(ids);
-  impl_->triangles = std::move(triangles);
-  impl_->n_points = mesh.x.size();
-  if (impl_->triangles.empty()) {
+  const bool same = impl_->take_faces(mesh);
+  if (!same || impl_->triangles.empty()) {
     impl_->model.reset();
-    return;
-  }
-  if (same && impl_->model) {
+    impl_->fill_list(mesh);
+  } else if (!impl_->model) {
+    impl_->build(mesh);
+  } else {
     impl_->model->beginReplaceModel();
     impl_->model->replaceSubModel(mesh.x);
     impl_->model->endReplaceModel(/*refit=*/true, /*bottomup=*/true);
-    return;
   }
-  std::vector<fcl::Triangle> indices;
-  indices.reserve(impl_->triangles.size());
-  for (const auto& t : impl_->triangles) {
-    indices.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
-                         static_cast<std::size_t>(t[2]));
-  }
-  impl_->model = std::make_unique<fcl::BVHModel<fcl::AABBd>>();
-  impl_->model->beginModel(static_cast<int>(indices.size()), static_cast<int>(mesh.x.size()));
-  impl_->model->addSubModel(mesh.x, indices);
-  impl_->model->endModel();
 }
 
 std::vector<int> FaceTree::overlapping(const Eigen::AlignedBox3d& bounds) const {
   std::vector<int> found;
-  if (!impl_->model || bounds.isEmpty()) return found;
+  if (bounds.isEmpty()) return found;
   const fcl::AABBd box(bounds.min(), bounds.max());
+  for (std::size_t k = 0; k < impl_->list.size(); ++k) {
+    if (impl_->list[k].overlap(box)) found.push_back(impl_->face_ids[k]);
+  }
+  if (!impl_->model) return found;
   std::vector<int> stack{0};
   while (!stack.empty()) {
     const auto& node = impl_->model->getBV(stack.back());
@@ -97,7 +126,7 @@ std::optional<double> triangle_distance(const std::array<Vec3, 3>& triangle, con
   pose.linear() = obstacle.pose.rotation;
   pose.translation() = obstacle.pose.position;
   fcl::detail::GJKSolver_libccdd solver;
-  solver.distance_tolerance = 1e-10;  // on the squared distance, as it seems: leaves about 1e-9 m
+  solver.distance_tolerance = 1e-12;  // [m]
   solver.max_distance_iterations = 1000;
   double distance = 0;
   try {

@@ -92,22 +92,23 @@ std::optional<Contact> NarrowPhase::vertex_face(int vertex) const {
   return contact;
 }
 
-// A gap has to be in reach, no more. A penetration has to be a way out of the solid: an edge of the far side of a thin
-// plate lies in the cone too, but the cloth it would push out downwards is not even inside. So the piece of cloth must
-// reach below every face that looks away from the normal by as much as it is to be moved. When the penetration is
-// deeper than what is in reach, the same is asked of all faces (but those at the ends of the edge): a cloth that stabs
-// through the middle of a face is then left to that face. Shapes without a surface have no inside: far behind a tip is
-// far.
-bool NarrowPhase::is_way_out(double distance, double reach, const Vec3& normal, std::span<const Vec3> points,
-                             const Vec3& along) const {
+// A gap has to be in reach, no more. A penetration has to be the way out of the solid: for no face may the piece of
+// cloth have less far to go. Else that face, and the vertices inside, are what the cloth is in contact with. Without
+// this rule
+// - the far edge of a thin plate would pull down the cloth that lies on the plate and hangs over its side,
+// - an upright edge of a box would push sideways a cloth that lies flat on the top, across the corner,
+// - an edge would push aside a cloth that stands or stabs through the middle of a face.
+// Shapes without a surface have no inside: far behind a tip is far.
+bool NarrowPhase::is_way_out(double distance, double reach, std::span<const Vec3> points,
+                             std::span<const Vec3> own) const {
   if (distance >= 0) return distance <= reach;
   if (obstacle_.faces.empty()) return -distance <= reach;
   for (const FacePlane& face : obstacle_.faces) {
-    if (-distance <= reach ? face.normal.dot(normal) > -cone_tolerance : std::abs(face.normal.dot(along)) > 0.5)
-      continue;
     double depth = 0;
     for (const Vec3& p : points) depth = std::max(depth, face.offset - face.normal.dot(p));
-    if (-distance > (1 + way_out_slack) * depth + way_out_round_off) return false;
+    const bool is_own = std::any_of(own.begin(), own.end(), [&](const Vec3& n) { return n.dot(face.normal) > 0.999; });
+    const double slack = is_own ? own_face_slack * options_.threshold : 0.0;
+    if (-distance > (1 + way_out_slack) * depth + slack + way_out_round_off) return false;
   }
   return true;
 }
@@ -150,7 +151,7 @@ std::optional<Contact> NarrowPhase::edge_edge(int halfedge, int edge) const {
     distance = -distance;
   }
   if (!e.free_cone && !in_cone(e.normals, normal)) return std::nullopt;
-  if (!is_way_out(distance, reach(velocity), normal, x, e.tangent)) return std::nullopt;
+  if (!is_way_out(distance, reach(velocity), x, e.normals)) return std::nullopt;
 
   Contact contact =
       make_contact(ContactType::EdgeEdge, e.a + std::clamp(t, 0.0, e.length) * e.tangent, normal, distance);
@@ -179,7 +180,7 @@ std::optional<Contact> NarrowPhase::corner_face(int corner, int face) const {
   Vec3 velocity = Vec3::Zero();
   for (int k = 0; k < 3; ++k) velocity += weights[k] * relative_velocity(vertices[static_cast<std::size_t>(k)]);
   const double distance = normal.dot(x[0] - c.position);
-  if (!is_way_out(distance, reach(velocity), normal, x, Vec3::Zero())) return std::nullopt;
+  if (!is_way_out(distance, reach(velocity), x, c.normals)) return std::nullopt;
 
   Contact contact = make_contact(ContactType::CornerFace, c.position, normal, distance);
   contact.feature = {obstacle_.index, FeatureKind::Corner, corner};

@@ -11,6 +11,15 @@
 
 namespace crease {
 
+/// A penetration of an edge or corner may be deeper than the cloth reaches below the feature's own faces by this
+/// fraction of the threshold: a cloth vertex that lies just inside the rim must not hide that the cloth passes over the
+/// edge.
+constexpr double own_face_slack = 0.1;
+
+/// Bound of |distance| for all penetrations of a piece of cloth that is nowhere deeper than the threshold below some
+/// face, as a multiple of the threshold; see is_way_out().
+constexpr double shallow_bound = 1.2;
+
 /// One obstacle against one cloth: tests a single pair of features at a time.
 ///
 /// A pair is in reach if its gap is at most threshold + look_ahead * |velocity of the cloth there relative to the
@@ -30,10 +39,9 @@ class NarrowPhase {
   double reach(const Vec3& velocity) const;
   bool on_feature(int vertex, FeatureKind kind, int index) const;
   Vec3 rim_normal(int vertex, std::span<const Vec3> normals, const Vec3& mean) const;
-  /// Whether a pair with this signed distance is a contact; `points` are the corners of the cloth's edge or face,
-  /// `along` the tangent of the obstacle's edge (zero at a corner).
-  bool is_way_out(double distance, double reach, const Vec3& normal, std::span<const Vec3> points,
-                  const Vec3& along) const;
+  /// Whether a pair with this signed distance is a contact. `points` are the corners of the cloth's edge or face,
+  /// `own` the normals of the obstacle's faces that meet in the feature.
+  bool is_way_out(double distance, double reach, std::span<const Vec3> points, std::span<const Vec3> own) const;
   Contact make_contact(ContactType type, const Vec3& point, const Vec3& normal, double distance) const;
 
   const Cloth& cloth_;

@@ -18,23 +18,37 @@ struct DetectOptions {
 
 /// Finds contacts; keeps its bounding-volume tree between calls (refitted while the topology stays, else rebuilt).
 ///
-/// Broad phase: FCL's AABB tree over the cloth's faces against each obstacle's bounds, grown by threshold + look-ahead
-/// motion. Narrow phase, typed by feature (FCL has no feature types):
+/// Broad phase: FCL's AABB tree over the cloth's faces against each obstacle's bounds and those of each of its sharp
+/// features, grown by threshold + look-ahead motion. Narrow phase, typed by feature (FCL has no feature types):
 ///  - VertexFace: every cloth vertex in reach of the surface. The normal is that of the nearest face; for a vertex
-///    beyond a face's rim, the direction from the nearest rim point (limited to the cone of the rim's normals); inside, the face of least depth.
+///    beyond a face's rim, the direction from the nearest rim point (in the cone of the rim's normals); inside, the
+///    face of least depth. A vertex on the rim itself (within 1e-9 m) takes the cloth's own normal there, turned
+///    outwards and limited to the cone: any normal of the cone keeps it out, and this one pushes a flat sheet nowhere
+///    but up.
 ///  - EdgeEdge: a cloth edge that crosses a sharp edge near it: closest points inside both segments, not parallel
-///    (angle > 2 degrees), the common normal inside the cone of the feature's normals (tolerance 2 degrees).
-///  - CornerFace: a corner whose projection falls into a cloth face, the face normal (turned outward) in the cone.
-/// EOL vertices already on a feature produce no VertexFace contact with that feature's obstacle faces that meet in it;
-/// edges or faces with an EOL vertex on the same feature produce no EdgeEdge / CornerFace contact with that feature.
-/// Order of the result is deterministic: by obstacle, type, feature index, cloth index. No duplicates.
+///    (angle > 2 degrees), the common normal inside the cone of the feature's normals (tolerance 2 degrees). Of a wire,
+///    the normal points to the side the cloth is on.
+///  - CornerFace: a corner whose projection falls into a cloth face, the face normal (turned outward) in the cone; of a
+///    tip with one normal, in its half space.
+/// Segments and faces are closed, so a feature that passes exactly through a cloth vertex is reported, with weights 0
+/// and 1, by several of the edges or faces there.
+/// Penetrations of edges and corners are reported at any depth, provided that the cloth's edge or face reaches as deep
+/// below every face of the solid: else some face is the shorter way out. Behind points and wires, which have no inside,
+/// the threshold + look-ahead bounds the depth.
+/// An EOL vertex produces no VertexFace contact with the obstacle it rides on (a convex shape cannot be entered from
+/// one of its features but through the faces that meet there, which its own rows guard); edges or faces with an EOL
+/// vertex on the same feature, or edges with one on a corner at the feature's end, produce no EdgeEdge / CornerFace
+/// contact with that feature. Order of the result is deterministic: by obstacle, type, feature index, cloth index. No
+/// duplicates. Throws std::invalid_argument for numbers that are not finite, and for triangle meshes (not available
+/// yet).
 class Detector {
  public:
   Detector();
   ~Detector();
   Detector(Detector&&) noexcept;
   Detector& operator=(Detector&&) noexcept;
-  std::vector<Contact> detect(const Cloth& cloth, std::span<const PosedObstacle> obstacles, const DetectOptions& options);
+  std::vector<Contact> detect(const Cloth& cloth, std::span<const PosedObstacle> obstacles,
+                              const DetectOptions& options);
 
  private:
   struct Impl;
