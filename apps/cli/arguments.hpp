@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace crease::cli {
+
+/// Exit statuses that do not come from a run.
+enum ExitStatus { exit_done = 0, exit_usage = 2, exit_file_trouble = 3 };
+
+/// What the command line asks for.
+struct Arguments {
+  std::string verb;
+  std::string scene;                                           ///< file or name of a shipped scene
+  std::string output;                                          ///< directory
+  std::vector<std::pair<std::string, std::string>> overrides;  ///< --set path=value
+  std::optional<double> until;
+  bool resume = false, force = false, quiet = false, paths = false;
+  int threads = 1;
+  std::string command_line;
+};
+
+/// Arguments, or the exit status after help, the version or a usage error has been printed.
+std::variant<Arguments, int> parse_arguments(int argc, const char* const* argv);
+
+}  // namespace crease::cli

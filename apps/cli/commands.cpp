@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "commands.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <iomanip>
+#include <iostream>
+#include <stdexcept>
+
+#include "crease/stepper/run.hpp"
+#include "progress.hpp"
+#include "shipped_scenes.hpp"
+
+namespace crease::cli {
+namespace {
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+// The step under way is finished first; a second signal finds the default action and ends the program at once.
+void stop_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+// Standard output may be a full disk or a closed pipe; a result that nobody got is not success.
+int printed() {
+  if (std::cout.flush()) return exit_done;
+  std::cerr << "crease: standard output cannot be written\n";
+  return exit_file_trouble;
+}
+
+int run(const Arguments& arguments) {
+  stop_on_signals();
+  const LoadedScene loaded = load_scene(find_scene(arguments.scene), arguments.overrides);
+  RunOptions options;
+  options.directory = arguments.output;
+  options.until = arguments.until;
+  options.force = arguments.force;
+  options.resume = arguments.resume;
+  options.command_line = arguments.command_line;
+
+  Progress progress(loaded.scene.name, arguments.quiet);
+  RunProgress last{};
+  const RunResult result = run_scene(loaded, options, [&](const RunProgress& now) {
+    last = now;
+    progress.update(now);
+    return stop_requested == 0;
+  });
+  progress.finish();
+  if (result.status != RunStatus::Done) {
+    std::cerr << "crease: " << result.message << '\n';
+    if (result.status == RunStatus::Interrupted) std::cerr << "crease: continue with --resume\n";
+  } else if (!arguments.quiet) {
+    std::cerr << loaded.scene.name << ": done, " << last.step << " steps to " << last.time << " s in "
+              << clock_text(last.wall) << "; results in " << arguments.output << '\n';
+  }
+  return static_cast<int>(result.status);
+}
+
+int check(const Arguments& arguments) {
+  std::cout << load_scene(find_scene(arguments.scene), arguments.overrides).resolved_json;
+  return printed();
+}
+
+int list(const Arguments& arguments) {
+  const std::vector<std::filesystem::path> files = shipped_scenes();
+  if (files.empty()) throw std::runtime_error("the shipped scenes are not where this program was built or installed");
+  size_t width = 0;
+  for (const auto& file : files) width = std::max(width, file.stem().string().size());
+  for (const auto& file : files) {
+    if (arguments.paths)
+      std::cout << file.string() << '\n';
+    else
+      std::cout << std::left << std::setw(static_cast<int>(width) + 2) << file.stem().string()
+                << load_scene(file).scene.description << '\n';
+  }
+  return printed();
+}
+
+int dispatch(const Arguments& arguments) {
+  if (arguments.verb == "run") return run(arguments);
+  if (arguments.verb == "check") return check(arguments);
+  if (arguments.verb == "list") return list(arguments);
+  if (arguments.verb == "schema") {
+    std::cout << scene_schema();
+    return printed();
+  }
+  std::cerr << "crease: \"" << arguments.verb << "\" is not available yet\n";
+  return exit_usage;
+}
+
+}  // namespace
+
+int execute(const Arguments& arguments) {
+  try {
+    return dispatch(arguments);
+  } catch (const SceneError& error) {
+    std::cerr << error.what() << '\n';
+    return exit_usage;
+  } catch (const UsageError& error) {
+    std::cerr << "crease: " << error.what() << '\n';
+    return exit_usage;
+  } catch (const std::runtime_error& error) {
+    std::cerr << "crease: " << error.what() << '\n';
+    return exit_file_trouble;
+  } catch (const std::exception& error) {  // a bug of ours, or no memory
+    std::cerr << "crease: failed: " << error.what() << '\n';
+    return static_cast<int>(RunStatus::SimulationFailed);
+  }
+}
+
+}  // namespace crease::cli
