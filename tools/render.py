@@ -248,7 +248,8 @@ def draw_world(frame, obstacles, view, options, limits):
         edges += [world(edge) for edge in obstacle.edges]
         corners += [world(corner) for corner in (obstacle.corners if not len(obstacle.triangles) else [])]
     picture = cloth.rgb
-    has_solid, solid_first = np.isfinite(solid.depth), solid.depth > cloth.depth
+    # Cloth at rest on a surface is on it to round-off: it must be behind by a fine pixel's worth to count as hidden.
+    has_solid, solid_first = np.isfinite(solid.depth), solid.depth > cloth.depth + 1.0 / view.scale
     opacity = np.where(np.isfinite(cloth.depth), OBSTACLE_ALPHA, 0.8) * (has_solid & solid_first)
     picture += opacity[..., None] * (solid.rgb - picture)
     nearest = np.maximum(cloth.depth, solid.depth)
