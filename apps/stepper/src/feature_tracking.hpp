@@ -11,9 +11,13 @@ namespace crease {
 /// Pose at `time` with the constant twist that carries it to its pose at `time + h`.
 Pose mean_motion(const Obstacle& obstacle, double time, double h);
 
-/// After the positions were advanced to `time`: an EOL vertex that has moved off its feature (any of the cone's normals
-/// opened by more than a small share of `threshold`, or it ran past the end of the edge) becomes Lagrangian; every
-/// other one is put back onto its feature.
+/// After the positions were advanced to `time`, looks at every EOL vertex:
+///  - closed on all normals of its feature's cone: put back onto the feature (round-off only);
+///  - some normals open, others closed, by less than `threshold`: the fold has moved a hair along the surface that
+///  still
+///    lies on the obstacle; the vertex is seated again at the feature, sliding along that surface in material and
+///    world;
+///  - open on all normals, or by more, or past the end of the edge: it has separated and becomes Lagrangian.
 /// @return the number released
 int track_features(Cloth& cloth, std::span<const Obstacle> obstacles, double time, double threshold);
 
