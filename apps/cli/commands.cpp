@@ -46,7 +46,8 @@ int run(const Arguments& arguments) {
   RunProgress last{};
   const RunResult result = run_scene(loaded, options, [&](const RunProgress& now) {
     last = now;
-    progress.update(now);
+    last.duration = std::min(now.duration, arguments.until.value_or(now.duration));
+    progress.update(last);
     return stop_requested == 0;
   });
   progress.finish();

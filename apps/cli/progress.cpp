@@ -28,7 +28,7 @@ size_t terminal_columns() {
 }
 
 std::string numbers(const RunProgress& p, double remaining) {
-  return format("%.3f/%.3f s  ETA %s  %d faces  %d contacts  %d EOL", p.time, p.duration, clock_text(remaining).c_str(),
+  return format("%.2f/%.4g s  ETA %s  %d faces  %d contacts  %d EOL", p.time, p.duration, clock_text(remaining).c_str(),
                 p.faces, p.contacts, p.eol_vertices) +
          (p.retries > 0 ? format("  %d retries", p.retries) : "");
 }
@@ -54,12 +54,12 @@ Progress::Progress(std::string name, bool quiet)
       shown_(begin_) {}
 
 std::string Progress::bar(const RunProgress& p, double remaining) const {
-  constexpr int width = 20;
-  const int full = static_cast<int>(share(p) * width);
-  std::string line = name_ + " [" + std::string(static_cast<size_t>(full), '#') +
-                     std::string(static_cast<size_t>(width - full), '.') + "] " + format("%3.0f %%  ", 100 * share(p)) +
-                     numbers(p, remaining);
-  line.resize(std::min(line.size(), terminal_columns() - 1));
+  const std::string before = name_ + " [", after = format("] %3.0f %%  ", 100 * share(p)) + numbers(p, remaining);
+  const size_t columns = terminal_columns() - 1, taken = before.size() + after.size();
+  const size_t width = std::clamp<size_t>(columns > taken ? columns - taken : 0, 4, 40);
+  const auto full = static_cast<size_t>(share(p) * static_cast<double>(width));
+  std::string line = before + std::string(full, '#') + std::string(width - full, '.') + after;
+  line.resize(std::min(line.size(), columns));
   return line;
 }
 
