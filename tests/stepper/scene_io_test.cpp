@@ -7,6 +7,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <random>
 
 #include "crease/stepper/suggest.hpp"
 #include "support/scene_text.hpp"
@@ -129,6 +130,42 @@ TEST_F(SceneIo, ReadsEveryKey) {
     EXPECT_EQ(sheet.v[i], Vec3(1, 2, 3));
     EXPECT_LT((sheet.mesh.x[i] - Vec3(1, 2 + sheet.mesh.X[i].x(), 3 + sheet.mesh.X[i].y())).norm(), 1e-15);
   }
+}
+
+TEST_F(SceneIo, EveryNumberReachesTheScene) {
+  const Scene scene =
+      load(full_scene,
+           {{"duration", "2.5"},
+            {"gravity", "[1, 2, 3]"},
+            {"cloths.0.material", R"({"density": 0.1, "youngs": 60, "poisson": 0.2, "bending": 2e-5, "damping": 0.4})"},
+            {"cloths.0.remeshing.angle", "0.1"},
+            {"cloths.0.remeshing.velocity", "0.6"},
+            {"cloths.0.remeshing.compression", "0.007"},
+            {"cloths.0.remeshing.aspect", "0.5"},
+            {"contact.threshold", "0.004"},
+            {"solver.tolerance", "1e-6"},
+            {"output.fps", "24"},
+            {"obstacles.0.motion.0", R"({"time": 0.5, "velocity": [4, 5, 6]})"}})
+          .scene;
+  EXPECT_EQ(scene.duration, 2.5);
+  EXPECT_EQ(scene.gravity, Vec3(1, 2, 3));
+  const Material& material = scene.cloths[0].material;
+  EXPECT_EQ(material.density, 0.1);
+  EXPECT_EQ(material.youngs, 60);
+  EXPECT_EQ(material.poisson, 0.2);
+  EXPECT_EQ(material.bending, 2e-5);
+  EXPECT_EQ(material.damping, 0.4);
+  const AdaptOptions& adapt = scene.cloths[0].adapt;
+  EXPECT_EQ(adapt.angle, 0.1);
+  EXPECT_EQ(adapt.velocity, 0.6);
+  EXPECT_EQ(adapt.compression, 0.007);
+  EXPECT_EQ(adapt.aspect, 0.5);
+  EXPECT_EQ(scene.threshold, 0.004);
+  EXPECT_EQ(scene.tolerance, 1e-6);
+  EXPECT_EQ(scene.fps, 24);
+  EXPECT_EQ(scene.obstacles[0].motion[0].time, 0.5);
+  EXPECT_EQ(scene.obstacles[0].motion[0].velocity, Vec3(4, 5, 6));
+  EXPECT_EQ(scene.obstacles[0].motion[0].angular_velocity, Vec3(0, 0, 0));
 }
 
 TEST_F(SceneIo, ResolvedSceneLoadsAsItself) {
@@ -491,6 +528,22 @@ TEST_F(Pins, TwoThatPullOneVertexApartAreRefused) {
   EXPECT_NO_THROW(load(smallest_scene, {{"cloths.0.pins.0.where.edge", "u0"}, {"cloths.0.pins.1.where.edge", "v0"}}));
 }
 
+TEST_F(Pins, CornersOfAMeshFileAreThoseOfItsBoundingBox) {
+  // A kite: no vertex stands in a corner of the box, so the nearest one is held.
+  folder_.write(
+      "kite.obj",
+      "v 0 0 0\nv 1.5 -1 0\nv 2.2 0.1 0\nv 1.6 1 0\nvt 0 0\nvt 1.5 -1\nvt 2.2 0.1\nvt 1.6 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+  const std::string text = with(smallest_scene, "{\"grid\": {}}", "{\"mesh\": \"kite.obj\"}");
+  const auto held_by = [&](const std::string& corner) {
+    const Cloth cloth = load(text, {{"cloths.0.pins.0.where", R"({"corner": ")" + corner + "\"}"}}).cloths.at(0);
+    return std::find(cloth.pins.begin(), cloth.pins.end(), 1u) - cloth.pins.begin();
+  };
+  EXPECT_EQ(held_by("00"), 0);
+  EXPECT_EQ(held_by("10"), 1);
+  EXPECT_EQ(held_by("11"), 3);
+  EXPECT_EQ(held_by("01"), 0);
+}
+
 // -- files ------------------------------------------------------------------------------------------------------------
 
 TEST_F(SceneIo, AFileThatCannotBeReadIsNoSceneError) {
@@ -504,6 +557,34 @@ TEST_F(SceneIo, AFileThatCannotBeReadIsNoSceneError) {
       EXPECT_TRUE(std::string(error.what()).starts_with(file.string()));
     }
   }
+}
+
+TEST_F(SceneIo, DamagedTextIsRefusedOrReadButNeverCrashes) {
+  const std::uint64_t seed = 11;
+  SCOPED_TRACE(seed);
+  std::mt19937_64 random(seed);
+  const std::string bytes = "0123456789-+.eE\"\\{}[]:,/* \nnaNulltrue\xff" + std::string(1, '\0');
+  int read = 0, refused = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    std::string text = full_scene;
+    for (int change = trial % 3; change >= 0; --change) {
+      const size_t at = random() % text.size();
+      const size_t kind = random() % 3;
+      if (kind == 0) text[at] = bytes[random() % bytes.size()];
+      if (kind == 1) text.insert(at, 1, bytes[random() % bytes.size()]);
+      if (kind == 2) text.erase(at, 1 + random() % 20);
+    }
+    try {
+      const std::string resolved = load(text).resolved_json;
+      EXPECT_EQ(load(resolved).resolved_json, resolved) << text;
+      ++read;
+    } catch (const SceneError& error) {
+      EXPECT_FALSE(error.problems().empty());
+      ++refused;
+    }
+  }
+  EXPECT_GT(read, 10);
+  EXPECT_GT(refused, 100);
 }
 
 TEST(ShippedScenes, LoadAndAreNamedAfterTheirFile) {
