@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "certificates.hpp"
-#include "crease/base/require.hpp"
+#include "entry.hpp"
 #include "ipopt.hpp"
 
 namespace crease {
@@ -18,35 +18,33 @@ constexpr int kMaxProximalSteps = 40;
 /// Residual a proximal step aims at; below it there is only rounding to gain.
 constexpr double kGoal = 1e-12;
 
-void require_valid(const QpOptions& options, std::span<const char> guess, Eigen::Index n_in) {
-  require(options.tolerance > 0 && options.max_iterations > 0,
-          "QpSolver: expected a positive tolerance and iteration budget");
-  require(guess.empty() || static_cast<Eigen::Index>(guess.size()) == n_in,
-          "QpSolver: expected a guess for each of " + std::to_string(n_in) + " inequalities, got " +
-              std::to_string(guess.size()));
-}
-
 }  // namespace
 
 QpResult ActiveSetSolver::solve(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) {
-  require_valid(problem);
-  require_valid(options, guess, problem.b_in.size());
+  require_valid(problem, options, guess);
+  if (std::optional<QpResult> rest = solve_at_rest(problem)) return *std::move(rest);
   QpResult result;
   if (!reduction_.build(problem)) {
     result.status = QpStatus::Infeasible;
     result.message = "constraints of one block contradict each other";
     return result;
   }
-  if (reduction_.pattern_changed() && !kkt_.analyze(reduction_.reduced(), reduction_.pattern())) {
+  if (!kkt_.analyze(reduction_.reduced(), reduction_.pattern())) {
     result.message = "CHOLMOD could not analyse H";
     return result;
   }
   int iterations = 0;
+  Attempt attempt = Attempt::Inexact;
   for (const double lift : kLifts) {
-    const bool done = attempt(problem, options, guess, lift, result);
+    attempt = this->attempt(problem, options, guess, lift, result);
     iterations += result.iterations;
     result.iterations = iterations;
-    if (done) return result;
+    if (attempt == Attempt::Decided) return result;
+  }
+  if (attempt == Attempt::Singular) {
+    // An interior point could still stop at a saddle and take it for a solution.
+    result.message = "H is not positive semidefinite where the constraints leave it free";
+    return result;
   }
   result = make_ipopt_solver()->solve(problem, options, guess);
   result.iterations += iterations;
@@ -54,8 +52,8 @@ QpResult ActiveSetSolver::solve(const QpProblem& problem, const QpOptions& optio
   return result;
 }
 
-bool ActiveSetSolver::attempt(const QpProblem& problem, const QpOptions& options, std::span<const char> guess,
-                              double epsilon, QpResult& result) {
+ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, const QpOptions& options,
+                                                  std::span<const char> guess, double epsilon, QpResult& result) {
   const ReducedQp& qp = reduction_.reduced();
   const bool proximal = epsilon > 0 || qp.n_rows() > 0;
   kkt_.reset(qp, epsilon);
@@ -70,19 +68,18 @@ bool ActiveSetSolver::attempt(const QpProblem& problem, const QpOptions& options
     result.iterations = search.iterations();
     result.status = status;
     result.message = message;
-    return true;
+    return Attempt::Decided;
   };
+  SearchStatus status = SearchStatus::Optimal;
   for (int step = 0; step < kMaxProximalSteps; ++step) {
-    const SearchStatus status = search.run(anchor, set, point);
+    status = search.run(anchor, set, point);
     if (status == SearchStatus::Singular) break;
     QpResult now = read_out(problem, set, point, search.gradient(point));
     const bool settled = !proximal || !(now.kkt_residual < 0.5 * best.kkt_residual);
-    if (now.kkt_residual < best.kkt_residual) best = now;
-    if (status == SearchStatus::IterationLimit)
-      return finish(best.q.size() > 0 ? best : now, QpStatus::IterationLimit, "iteration budget spent");
+    if (now.kkt_residual < best.kkt_residual || best.q.size() == 0) best = now;
     if (best.kkt_residual <= kGoal || (settled && best.kkt_residual <= options.tolerance))
       return finish(best, QpStatus::Solved, "");
-    if (!proximal) break;
+    if (!proximal || status == SearchStatus::IterationLimit) break;
     if (step > 0) {
       if (proves_infeasible(problem, now.lambda_eq - former.lambda_eq, now.lambda_in - former.lambda_in, now.q))
         return finish({}, QpStatus::Infeasible, "the constraints contradict each other");
@@ -92,9 +89,10 @@ bool ActiveSetSolver::attempt(const QpProblem& problem, const QpOptions& options
     former = std::move(now);
     anchor = point;
   }
+  if (best.kkt_residual <= options.tolerance) return finish(best, QpStatus::Solved, "");
+  if (status == SearchStatus::IterationLimit) return finish(best, QpStatus::IterationLimit, "iteration budget spent");
   result.iterations = search.iterations();
-  if (best.kkt_residual > options.tolerance) return false;
-  return finish(best, QpStatus::Solved, "");
+  return status == SearchStatus::Singular ? Attempt::Singular : Attempt::Inexact;
 }
 
 QpResult ActiveSetSolver::read_out(const QpProblem& problem, const WorkingSet& set, const ReducedPoint& point,

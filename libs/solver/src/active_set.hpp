@@ -20,9 +20,10 @@ class ActiveSetSolver : public QpSolver {
   QpResult solve(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) override;
 
  private:
-  /// Solves with H lifted by `epsilon` on its scaled diagonal. @return false if another lift should be tried
-  bool attempt(const QpProblem& problem, const QpOptions& options, std::span<const char> guess, double epsilon,
-               QpResult& result);
+  enum class Attempt { Decided, Inexact, Singular };
+  /// Solves with H lifted by `epsilon` on its scaled diagonal.
+  Attempt attempt(const QpProblem& problem, const QpOptions& options, std::span<const char> guess, double epsilon,
+                  QpResult& result);
   QpResult read_out(const QpProblem& problem, const WorkingSet& set, const ReducedPoint& point,
                     const VecX& gradient) const;
 

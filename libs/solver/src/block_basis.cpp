@@ -22,7 +22,10 @@ constexpr double kLeastAngle = 1e-2;
 
 /// Removes from `a` its part in the rows of the orthonormal `Q`; twice, because once leaves rounding of |a|.
 SmallVector project_off(const SmallMatrix& Q, SmallVector a) {
-  for (int pass = 0; pass < 2; ++pass) a -= (Q.transpose() * (Q * a).eval()).eval();
+  for (int pass = 0; pass < 2; ++pass) {
+    const SmallVector inside = Q.lazyProduct(a);
+    a -= Q.transpose().lazyProduct(inside);
+  }
   return a;
 }
 

@@ -27,6 +27,7 @@ bool BlockPattern::update(const QpProblem& problem) {
   given_inner_.assign(H.innerIndexPtr(), H.innerIndexPtr() + n_inner);
   set_blocks(problem);
   build_graph(H);
+  ++revision_;
   return true;
 }
 

@@ -14,6 +14,9 @@ class BlockPattern {
   /// Follows the pattern of H and the blocks of `problem`. @return whether anything changed since the last call
   bool update(const QpProblem& problem);
 
+  /// Counts the changes, so that an analysis can tell whether it is of this pattern.
+  int revision() const { return revision_; }
+
   int n_blocks() const { return static_cast<int>(starts_.size()) - 1; }
   int start(int block) const { return starts_[block]; }
   int size(int block) const { return starts_[block + 1] - starts_[block]; }
@@ -36,6 +39,7 @@ class BlockPattern {
 
   std::vector<int> given_blocks_, given_outer_, given_inner_;  ///< what update() compares with
   std::vector<int> starts_, block_of_, outer_, inner_, heights_;
+  int revision_ = 0;
   bool is_full_ = false;  ///< H stores every entry of its blocks already
 };
 

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-#include "crease/base/require.hpp"
+#include "entry.hpp"
 #include "one_thread.hpp"
 
 namespace crease {
@@ -311,8 +311,9 @@ Ipopt::ApplicationReturnStatus run_ipopt(const Ipopt::SmartPtr<QpNlp>& nlp, cons
   return status;
 }
 
-QpResult IpoptSolver::solve(const QpProblem& problem, const QpOptions& options, std::span<const char>) {
-  require_valid(problem);
+QpResult IpoptSolver::solve(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) {
+  require_valid(problem, options, guess);
+  if (std::optional<QpResult> rest = solve_at_rest(problem)) return *std::move(rest);
   const ScaledQp qp(problem);
   if (qp.conflict) {
     QpResult result;

@@ -13,15 +13,20 @@ constexpr double kSingular = 1e-14;
 /// Softness of a row relative to the compliance it meets. Small against the angle squared of nearly dependent rows,
 /// large against rounding in the border.
 constexpr double kRowSoftness = 1e-11;
-/// Coordinates whose state may differ from the factorised one before a new factorisation is the cheaper way: some 24
-/// half-solves cost one solve, and a factorisation eight to seventeen (measured on cloth of 3000 faces).
-constexpr int kMaxChanged = 96;
+/// Coordinates whose state may differ from the factorised one before a new factorisation is the cheaper way, as a share
+/// of the half-solves that have its flops. Half-solves are the slower kind of flop, and the border grows with the
+/// square (measured on cloth-like problems of 1600 vertices: flat from 0.5 to 1.5).
+constexpr double kChangedShare = 0.8;
+constexpr int kLeastChanged = 8;
 
 }  // namespace
 
 bool KktSystem::analyze(const ReducedQp& qp, BlockPattern& pattern) {
+  if (analyzed_revision_ == pattern.revision()) return true;
   masked_ = qp.H;
-  return cholesky_.analyze(qp.H, pattern.starts(), pattern.outer(), pattern.inner());
+  const bool done = cholesky_.analyze(qp.H, pattern.starts(), pattern.outer(), pattern.inner());
+  analyzed_revision_ = done ? pattern.revision() : 0;
+  return done;
 }
 
 void KktSystem::reset(const ReducedQp& qp, double epsilon) {
@@ -41,7 +46,8 @@ int KktSystem::n_changed(const WorkingSet& set) const {
 bool KktSystem::refresh(const WorkingSet& set) {
   if (factorized_ && set.held == border_set_.held && set.on == border_set_.on) return true;
   border_set_ = {};
-  const bool keep = factorized_ && n_changed(set) <= kMaxChanged && n_slots_ <= 4 * kMaxChanged + qp_->n_rows();
+  const int most = std::max(kLeastChanged, static_cast<int>(kChangedShare * cholesky_.cost_ratio()));
+  const bool keep = factorized_ && n_changed(set) <= most && n_slots_ <= 4 * most + qp_->n_rows();
   // A border that cannot be factorised may be the fault of the base it stands on, so the set gets a base of its own.
   bool ready = keep && add_columns(set) && factorize_border();
   if (!ready) ready = factorize(set) && add_columns(set) && factorize_border();
@@ -63,7 +69,6 @@ bool KktSystem::factorize(const WorkingSet& set) {
   base_ = set.held;
   slot_of_.assign(static_cast<size_t>(qp_->size() + qp_->n_rows()), -1);
   n_slots_ = 0;
-  ++factorizations_;
   factorized_ = cholesky_.factorize(masked_) && cholesky_.rcond() > kSingular;
   return factorized_;
 }

@@ -20,7 +20,7 @@ namespace crease {
 /// delta > 0 keeps T regular when rows depend on one another; the caller removes its effect by iterating.
 class KktSystem {
  public:
-  /// Call whenever the pattern of H has changed. @return false if the analysis failed
+  /// Does nothing if `pattern` is the one analysed last. @return false if the analysis failed
   bool analyze(const ReducedQp& qp, BlockPattern& pattern);
   /// Call whenever a value has changed; `qp` has to stay until the next call.
   void reset(const ReducedQp& qp, double epsilon);
@@ -31,7 +31,6 @@ class KktSystem {
   double epsilon() const { return epsilon_; }
   /// Softness of a row; 0 for one that has never been on.
   double delta(int row) const { return delta_[row]; }
-  int factorizations() const { return factorizations_; }
 
  private:
   bool refresh(const WorkingSet& set);
@@ -49,7 +48,7 @@ class KktSystem {
   SparseCholesky cholesky_;
   SparseMatrix masked_;
   bool factorized_ = false;
-  int factorizations_ = 0;
+  int analyzed_revision_ = 0;
   std::vector<char> base_;  ///< held at the last factorisation
 
   // Border items are numbered like unknowns: coordinate i, then n + row.

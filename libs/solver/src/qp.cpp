@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "crease/base/require.hpp"
+#include "entry.hpp"
 
 namespace crease {
 namespace {
@@ -14,6 +15,9 @@ namespace {
 /// mistake of the assembly.
 constexpr double kSymmetryTolerance = 1e-9;
 constexpr double kTiny = 1e-300;  ///< stands in for a scale of zero
+/// A stiff H takes large forces apart whose sum is small (a light sheet in rigid motion); H q then cannot be closer to
+/// f than rounding of |H| |q|, some 1e-13 of it, which has to be a residual below any tolerance asked for (1e-8).
+constexpr double kCancellation = 1e-5;
 
 double max_abs(const VecX& v) {
   return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
@@ -142,6 +146,33 @@ void require_valid(const QpProblem& problem) {
           "QpProblem: expected strictly ascending blocks");
 }
 
+void require_valid(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) {
+  require_valid(problem);
+  require(options.tolerance > 0 && options.max_iterations > 0,
+          "QpSolver: expected a positive tolerance and iteration budget");
+  require(guess.empty() || static_cast<Eigen::Index>(guess.size()) == problem.b_in.size(),
+          "QpSolver: expected a guess for each of " + std::to_string(problem.b_in.size()) + " inequalities, got " +
+              std::to_string(guess.size()));
+}
+
+std::optional<QpResult> solve_at_rest(const QpProblem& problem) {
+  const bool rests = (problem.f.array() == 0).all() && (problem.b_eq.array() == 0).all();
+  const bool allowed = (problem.b_in.array() <= 0).all();
+  QpResult result;
+  if (rests && allowed) {
+    result.status = QpStatus::Solved;
+    result.q = VecX::Zero(problem.f.size());
+    result.lambda_eq = VecX::Zero(problem.b_eq.size());
+    result.lambda_in = VecX::Zero(problem.b_in.size());
+    for (const double b : problem.b_in) result.active.push_back(b == 0);
+    return result;
+  }
+  if (problem.f.size() > 0) return std::nullopt;
+  result.status = QpStatus::Infeasible;
+  result.message = "there is no unknown to meet the constraints";
+  return result;
+}
+
 double kkt_residual(const QpProblem& problem, const VecX& q, const VecX& lambda_eq, const VecX& lambda_in) {
   const Eigen::Index n = problem.f.size();
   const bool shapes =
@@ -152,8 +183,10 @@ double kkt_residual(const QpProblem& problem, const VecX& q, const VecX& lambda_
   VecX reaction = VecX::Zero(n);
   if (lambda_eq.size() > 0) reaction += problem.A_eq.transpose() * lambda_eq;
   if (lambda_in.size() > 0) reaction += problem.A_in.transpose() * lambda_in;
-  const double force_scale = std::max({kTiny, max_abs(problem.f), max_abs(Hq), max_abs(reaction)});
-  const double q_scale = std::max(max_abs(q), max_abs(problem.f) / std::max(kTiny, row_sum_norm(problem.H)));
+  const double stiffness = row_sum_norm(problem.H);
+  const double force_scale =
+      std::max({kTiny, max_abs(problem.f), max_abs(Hq), max_abs(reaction), kCancellation * stiffness * max_abs(q)});
+  const double q_scale = std::max(max_abs(q), max_abs(problem.f) / std::max(kTiny, stiffness));
   const double stationarity = max_abs(Hq - problem.f - reaction) / force_scale;
   const RowResiduals eq = row_residuals(problem.A_eq, problem.b_eq, q, lambda_eq, true, q_scale, force_scale);
   const RowResiduals in = row_residuals(problem.A_in, problem.b_in, q, lambda_in, false, q_scale, force_scale);

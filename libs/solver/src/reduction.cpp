@@ -25,8 +25,7 @@ double max_abs(const VecX& v) {
 }  // namespace
 
 bool Reduction::build(const QpProblem& problem) {
-  pattern_changed_ = pattern_.update(problem);
-  if (pattern_changed_) qp_.H = pattern_.make_matrix();
+  if (pattern_.update(problem)) qp_.H = pattern_.make_matrix();
   n_eq_ = static_cast<int>(problem.b_eq.size());
   n_in_ = static_cast<int>(problem.b_in.size());
   const double largest = problem.H.nonZeros() == 0 ? 0.0 : problem.H.coeffs().abs().maxCoeff();
@@ -124,8 +123,14 @@ void Reduction::transform_H(const SparseMatrix& H) {
     for (int at = pattern_.outer()[k]; at < pattern_.outer()[k + 1]; ++at) {
       const int other = pattern_.inner()[at];
       auto part = column.middleRows(row, pattern_.size(other));
-      if (basis_of_[other] >= 0) part = bases_[basis_of_[other]].T.transpose().lazyProduct(part).eval();
-      if (basis_of_[k] >= 0) part = part.lazyProduct(bases_[basis_of_[k]].T).eval();
+      if (basis_of_[other] >= 0) {
+        const SmallMatrix product = bases_[basis_of_[other]].T.transpose().lazyProduct(part);
+        part = product;
+      }
+      if (basis_of_[k] >= 0) {
+        const SmallMatrix product = part.lazyProduct(bases_[basis_of_[k]].T);
+        part = product;
+      }
       if (other == k) scale_.segment(start, size) = part.diagonal();
       row += pattern_.size(other);
     }

@@ -48,9 +48,6 @@ class Reduction {
  public:
   /// @return false if constraints of a single block contradict each other; reduced() is then not usable
   bool build(const QpProblem& problem);
-  /// Whether the last build() met another pattern of H than the one before.
-  bool pattern_changed() const { return pattern_changed_; }
-
   const ReducedQp& reduced() const { return qp_; }
   BlockPattern& pattern() { return pattern_; }
 
@@ -75,7 +72,6 @@ class Reduction {
   bool add_general_rows(const QpProblem& problem);
 
   BlockPattern pattern_;
-  bool pattern_changed_ = false;
   ReducedQp qp_;
   double q_scale_ = 0;
   int n_in_ = 0, n_eq_ = 0;

@@ -30,6 +30,9 @@ class SparseCholesky {
   /// Rough reciprocal condition number: squared ratio of the smallest to the largest diagonal entry of L.
   double rcond();
 
+  /// Flops of a factorisation over those of half a solve with one right-hand side.
+  double cost_ratio() const { return common_.lnz > 0 ? common_.fl / (2 * common_.lnz) : 0; }
+
   /// L^-1 P B and P^T L^-T B, both halves of a solve.
   MatX forward(const MatX& B) { return half_solve(B, CHOLMOD_P, CHOLMOD_L); }
   MatX backward(const MatX& B) { return half_solve(B, CHOLMOD_Lt, CHOLMOD_Pt); }

@@ -16,6 +16,8 @@ constexpr int kPatience = 6;
 /// Steps of the backup that count as one iteration: each changes one constraint only.
 constexpr int kSingleSteps = 20;
 constexpr int kRefinements = 2;
+/// Share of the largest force (unknown) that is rounding of the sums in an equation.
+constexpr double kRounding = 1e-15;
 
 template <class Vector>
 double max_abs(const Vector& v) {
@@ -135,10 +137,19 @@ bool WorkingSetSearch::solve(const WorkingSet& set, ReducedPoint& point) {
 void WorkingSetSearch::refine(const WorkingSet& set, ReducedPoint& point) {
   const VecX nothing = VecX::Zero(qp_.size());
   for (int pass = 0; pass < kRefinements; ++pass) {
-    VecX rest = -gradient(point);
+    const VecX g = gradient(point);
+    VecX rest = -g;
     if (kkt_.epsilon() > 0) rest -= kkt_.epsilon() * (point.u - anchor_.u);
+    for (int i = 0; i < qp_.size(); ++i)
+      if (set.held[i]) rest[i] = 0;
     VecX row_rest = qp_.rhs - qp_.rows * point.u;
-    for (int w = 0; w < qp_.n_rows(); ++w) row_rest[w] -= kkt_.delta(w) * (point.row_lambda[w] - anchor_.row_lambda[w]);
+    for (int w = 0; w < qp_.n_rows(); ++w) {
+      row_rest[w] -= kkt_.delta(w) * (point.row_lambda[w] - anchor_.row_lambda[w]);
+      if (!set.on[w]) row_rest[w] = 0;
+    }
+    if (max_abs(rest) <= kRounding * std::max(max_abs(qp_.f), max_abs(g)) &&
+        max_abs(row_rest) <= kRounding * std::max(max_abs(qp_.rhs), max_abs(point.u)))
+      return;
     ReducedPoint correction;
     if (!kkt_.solve(set, rest, nothing, row_rest, correction)) return;
     point.u += correction.u;

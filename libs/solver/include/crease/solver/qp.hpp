@@ -46,10 +46,11 @@ struct QpOptions {
 };
 
 /// Largest relative violation of the four KKT conditions (stationarity, primal, dual, complementarity).
-/// Stationarity and dual (|a_i|_inf lambda_i) are divided by max(1e-300, |f|_inf, |H q|_inf, |A^T lambda|_inf); primal,
-/// row by row, by max(1e-300, |b_i|, |a_i|_1 max(|q|_inf, |f|_inf / |H|_inf)); complementarity by both. So the number
-/// depends neither on units nor on the scaling of a row, and stays meaningful where the minimiser is q = 0.
-/// Infinite if a shape is wrong or a number is not finite.
+/// Stationarity and dual (|a_i|_inf lambda_i) are divided by max(1e-300, |f|_inf, |H q|_inf, |A^T lambda|_inf,
+/// 1e-5 |H|_inf |q|_inf), the last of which keeps rounding in H q below 1e-8; primal, row by row, by max(1e-300, |b_i|,
+/// |a_i|_1 max(|q|_inf, |f|_inf / |H|_inf)); complementarity by both. So the number depends neither on units nor on the
+/// scaling of a row, and stays meaningful where the minimiser is q = 0. Infinite if a shape is wrong or a number is not
+/// finite.
 double kkt_residual(const QpProblem& problem, const VecX& q, const VecX& lambda_eq, const VecX& lambda_in);
 
 /// Shapes, finite numbers, symmetry pattern, sorted blocks; throws std::invalid_argument.
