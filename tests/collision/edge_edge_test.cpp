@@ -209,6 +209,26 @@ TEST(EdgeEdge, LeavesOutEdgesThatEndOnTheSameFeatureOrItsCorners) {
   EXPECT_EQ(edge_contacts(cloth, box, {}).size(), 1u);
 }
 
+// What every step of a sliding sheet looks like: the chain is on the rim, both sides lie flush on their faces.
+TEST(EdgeEdge, FindsNothingAroundAChainThatIsInPlace) {
+  const ObstacleShape shape = make_box({2, 5, 2});
+  const PosedObstacle box = table(shape, 0.5);
+  for (const double fold : {0.0, 0.1, 0.5, 1.0}) {  // quarter turns
+    Cloth cloth = sheet(GridPattern::Cross, 0, 8);
+    for (int i = 0; i < cloth.mesh.n_vertices(); ++i) {
+      Vec3& x = cloth.mesh.x[i];
+      const double s = 0.5 - x.x();
+      if (s > 0) x = {0.5 - s * std::cos(fold * M_PI / 2), x.y(), -s * std::sin(fold * M_PI / 2)};
+      if (s == 0) cloth.feature[i] = {0, FeatureKind::Edge, rim_edge(shape)};
+    }
+    EXPECT_TRUE(edge_contacts(cloth, box, {1e-3, 0.005}).empty());
+    for (const Contact& c : Detector().detect(cloth, {&box, 1}, {1e-3, 0})) {
+      EXPECT_FALSE(cloth.is_eol(c.vertices[0]));
+      EXPECT_NEAR(std::max(c.normal.z(), -c.normal.x()), 1, 1e-12);
+    }
+  }
+}
+
 TEST(EdgeEdge, TouchesAWireFromTheSideTheClothIsOn) {
   ObstacleShape shape;
   shape.kind = ObstacleShape::Kind::Wire;
