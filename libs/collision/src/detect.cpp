@@ -47,6 +47,7 @@ std::vector<int> edges_of(const Mesh& mesh, std::span<const int> faces) {
 std::vector<int> deep_faces(const Mesh& mesh, const PlacedObstacle& obstacle, std::span<const int> faces,
                             std::span<const int> vertices, double depth) {
   if (obstacle.faces.empty()) return {};
+  CREASE_ASSERT(obstacle.faces.size() <= 32);
   std::vector<unsigned> above(mesh.X.size(), 0);  // bit k: not deeper than `depth` below face k
   for (const int i : vertices) {
     const auto v = static_cast<std::size_t>(i);

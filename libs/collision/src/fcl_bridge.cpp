@@ -23,10 +23,19 @@ static_assert(EIGEN_MAX_STATIC_ALIGN_BYTES == 16,
 
 namespace crease {
 
+namespace {
+
+// Faces seen in so many calls in a row are taken to last. A step that remeshes looks at the same faces twice, after
+// remeshing and at the start of the next step; a tree built for those two would never pay.
+constexpr int lasting = 4;
+
+}  // namespace
+
 struct FaceTree::Impl {
   std::vector<int> face_ids;                  // live faces, ascending; FCL's triangle k is face_ids[k]
   std::vector<std::array<int, 3>> triangles;  // their vertices
   std::size_t n_points = 0;
+  int times_seen = 0;                                // calls in a row with these faces
   std::vector<fcl::AABBd> list;                      // one box a live face while there is no tree
   std::unique_ptr<fcl::BVHModel<fcl::AABBd>> model;  // never empty: FCL refuses an empty model
 
@@ -81,8 +90,8 @@ FaceTree::FaceTree(FaceTree&&) noexcept = default;
 FaceTree& FaceTree::operator=(FaceTree&&) noexcept = default;
 
 void FaceTree::update(const Mesh& mesh) {
-  const bool same = impl_->take_faces(mesh);
-  if (!same || impl_->triangles.empty()) {
+  impl_->times_seen = impl_->take_faces(mesh) ? std::min(impl_->times_seen + 1, lasting) : 1;
+  if (impl_->times_seen < lasting || impl_->triangles.empty()) {
     impl_->model.reset();
     impl_->fill_list(mesh);
   } else if (!impl_->model) {

@@ -13,8 +13,8 @@ namespace crease {
 /// The only door to FCL: its types, its exceptions and its messages stay behind it.
 
 /// Axis-aligned boxes over the faces of a mesh, in FCL's tree as soon as that pays: building it costs about a hundred
-/// scans of the plain list of boxes, refitting it less than one. So faces seen for the first time are kept as a list,
-/// and the tree is built when they are seen again. Both hold the same boxes and find the same faces.
+/// scans of the plain list of boxes. So new faces are kept as a list, and the tree is built when they prove to last.
+/// Both hold the same boxes and find the same faces.
 class FaceTree {
  public:
   FaceTree();
