@@ -19,16 +19,16 @@ enum class ContactType {
 struct Contact {
   ContactType type = ContactType::VertexFace;
   int obstacle = -1;
-  FeatureId feature;                      ///< the sharp edge or corner; kind None for VertexFace
-  int n_vertices = 0;                     ///< cloth vertices involved: 1, 2 or 3
+  FeatureId feature;   ///< the sharp edge or corner; kind None for VertexFace
+  int n_vertices = 0;  ///< cloth vertices involved: 1, 2 or 3
   std::array<int, 3> vertices{-1, -1, -1};
-  std::array<double, 3> weights{0, 0, 0}; ///< cloth point = sum weights * x[vertices], sum = 1
-  int halfedge = -1;                      ///< EdgeEdge: canonical half-edge of the cloth edge, from = vertices[0]
-  int face = -1;                          ///< CornerFace: the cloth face
-  Vec3 point = Vec3::Zero();              ///< closest point on the obstacle [m]
-  Vec3 normal = Vec3::Zero();             ///< unit, from the obstacle to the cloth's side; sign from the obstacle
-  double distance = 0;                    ///< gap along normal, negative = penetration [m]
-  Vec3 velocity = Vec3::Zero();           ///< of the obstacle at `point` [m/s]
+  std::array<double, 3> weights{0, 0, 0};  ///< cloth point = sum weights * x[vertices], sum = 1
+  int halfedge = -1;                       ///< EdgeEdge: canonical half-edge of the cloth edge, from = vertices[0]
+  int face = -1;                           ///< CornerFace: the cloth face
+  Vec3 point = Vec3::Zero();               ///< closest point on the obstacle [m]
+  Vec3 normal = Vec3::Zero();              ///< unit, from the obstacle to the cloth's side; sign from the obstacle
+  double distance = 0;                     ///< gap along normal, negative = penetration [m]
+  Vec3 velocity = Vec3::Zero();            ///< of the obstacle at `point` [m/s]
 };
 
 }  // namespace crease
