@@ -66,7 +66,8 @@ std::vector<int> independent_rows(const SparseMatrix& transposed, const VecX& b,
   rows.assign(order.data(), order.data() + rank);
   // A P = (Q R)^T with R of `rank` rows: the point Q w with R_1^T w = (P^T b)_1 meets the kept rows.
   const VecX permuted = qr.colsPermutation().transpose() * b;
-  const SparseMatrix R = qr.matrixR().topLeftCorner(rank, b.size());
+  const SparseRows sorted = qr.matrixR();  // its columns are not; a change of storage order sorts them
+  const SparseMatrix R = SparseMatrix(sorted).topLeftCorner(rank, b.size());
   const SparseMatrix kept = R.leftCols(rank);
   const VecX w = kept.transpose().triangularView<Eigen::Lower>().solve(permuted.head(rank));
   const VecX mismatch = R.transpose() * w - permuted;

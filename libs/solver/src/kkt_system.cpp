@@ -154,10 +154,12 @@ bool KktSystem::factorize_border() {
     if (freed_llt_.info() != Eigen::Success) return false;
     const double smallest = MatX(freed_llt_.matrixL()).diagonal().minCoeff();
     if (!(smallest * smallest > kSingular)) return false;
-    coupled_ = freed_llt_.matrixL().solve(coupling_.transpose());
-    N.noalias() += coupled_.transpose() * coupled_;
   }
   if (n_tied == 0) return true;
+  if (n_freed > 0) {
+    const MatX coupled = freed_llt_.matrixL().solve(coupling_.transpose());
+    N.noalias() += coupled.transpose() * coupled;
+  }
   tied_ldlt_.compute(N);
   return tied_ldlt_.info() == Eigen::Success && tied_ldlt_.vectorD().minCoeff() > 0;
 }
@@ -175,7 +177,8 @@ bool KktSystem::solve(const WorkingSet& set, const VecX& f, const VecX& value, c
   for (int i = 0; i < n; ++i)
     if (base_[i]) r[i] = 0;
   const VecX y = cholesky_.forward(r);
-  const VecX reached = Y_.leftCols(n_slots_).transpose() * y;  // C^T K^-1 r
+  VecX reached;  // C^T K^-1 r
+  if (n_slots_ > 0) reached = Y_.leftCols(n_slots_).transpose() * y;
   const VecX row_held = qp_->rows * held;
   VecX s_tied(n_tied), s_freed(n_freed);
   for (int i = 0; i < n_tied; ++i) {

@@ -54,11 +54,11 @@ class KktSystem {
   // Border items are numbered like unknowns: coordinate i, then n + row.
   std::vector<int> slot_of_;  ///< an item's column of Y_, -1 = none yet
   int n_slots_ = 0;
-  MatX Y_, gram_;            ///< gram = Y^T Y
-  WorkingSet border_set_;    ///< the set the border below belongs to
-  std::vector<int> tied_;    ///< items with a multiplier: newly held coordinates and rows
-  std::vector<int> freed_;   ///< items with a displacement
-  MatX coupling_, coupled_;  ///< T between tied and freed; L_freed^-1 coupling^T
+  MatX Y_, gram_;           ///< gram = Y^T Y
+  WorkingSet border_set_;   ///< the set the border below belongs to
+  std::vector<int> tied_;   ///< items with a multiplier: newly held coordinates and rows
+  std::vector<int> freed_;  ///< items with a displacement
+  MatX coupling_;           ///< T between tied and freed
   Eigen::LLT<MatX> freed_llt_;
   Eigen::LDLT<MatX> tied_ldlt_;
 };

@@ -147,60 +147,59 @@ void Reduction::transform_H(const SparseMatrix& H) {
   }
 }
 
+/// One general row in the new coordinates.
+Reduction::TransformedRow Reduction::transform_row(const SparseRows& A, int row) const {
+  TransformedRow result;
+  SparseRows::InnerIterator entry(A, row);
+  while (entry) {
+    const int block = pattern_.block_of(static_cast<int>(entry.col()));
+    const int start = pattern_.start(block), size = pattern_.size(block);
+    SmallVector part = SmallVector::Zero(size);
+    for (; entry && entry.col() < start + size; ++entry) part[entry.col() - start] = entry.value();
+    if (basis_of_[block] >= 0)
+      part = (bases_[basis_of_[block]].T.transpose() * part).eval();
+    else
+      part = part.cwiseQuotient(scale_.segment(start, size)).eval();
+    for (int i = 0; i < size; ++i) {
+      if (part[i] == 0) continue;
+      result.entries.emplace_back(start + i, part[i]);
+      result.all += part[i] * part[i];
+      if (qp_.kind[start + i] == Coordinate::Fixed) {
+        result.fixed_value += part[i] * qp_.bound[start + i];
+        result.fixed_size += std::abs(part[i] * qp_.bound[start + i]);
+      } else {
+        result.open += part[i] * part[i];
+      }
+    }
+  }
+  return result;
+}
+
+/// @return false if a row that the fixed coordinates decide does not hold
 bool Reduction::add_general_rows(const QpProblem& problem) {
   std::vector<Eigen::Triplet<double>> entries;
   std::vector<double> rhs;
   std::vector<GeneralRow> kept;
-  const int n = qp_.size();
-  VecX a = VecX::Zero(n);
-  std::vector<int> blocks;
   qp_.n_equalities = 0;
   for (GeneralRow general : general_) {
-    const SparseRows& A = general.equality ? problem.A_eq : problem.A_in;
+    const TransformedRow row = transform_row(general.equality ? problem.A_eq : problem.A_in, general.row);
     const double b = (general.equality ? problem.b_eq : problem.b_in)[general.row];
-    blocks.clear();
-    for (SparseRows::InnerIterator entry(A, general.row); entry; ++entry) {
-      a[entry.col()] = entry.value();
-      const int block = pattern_.block_of(static_cast<int>(entry.col()));
-      if (blocks.empty() || blocks.back() != block) blocks.push_back(block);
-    }
-    double fixed_value = 0, fixed_size = 0, open = 0, all = 0;
-    const size_t first = entries.size();
-    for (const int block : blocks) {
-      const int start = pattern_.start(block), size = pattern_.size(block);
-      SmallVector part = a.segment(start, size);
-      a.segment(start, size).setZero();
-      if (basis_of_[block] >= 0)
-        part = (bases_[basis_of_[block]].T.transpose() * part).eval();
-      else
-        part = part.cwiseQuotient(scale_.segment(start, size)).eval();
-      for (int i = 0; i < size; ++i) {
-        if (part[i] == 0) continue;
-        all += part[i] * part[i];
-        if (qp_.kind[start + i] != Coordinate::Fixed) open += part[i] * part[i];
-        const double value = qp_.kind[start + i] == Coordinate::Fixed ? part[i] * qp_.bound[start + i] : 0.0;
-        fixed_value += value;
-        fixed_size += std::abs(value);
-        entries.emplace_back(static_cast<int>(kept.size()), start + i, part[i]);
-      }
-    }
-    general.norm = std::sqrt(open);
-    if (open <= kDecidedRow * kDecidedRow * all) {
-      // Nothing left to choose: the row holds or it does not.
-      entries.resize(first);
-      const double slack = fixed_value - b;
-      const double tolerance = kMismatch * std::max({std::abs(b), fixed_size, general.size * q_scale_});
+    if (row.open <= kDecidedRow * kDecidedRow * row.all) {
+      const double slack = row.fixed_value - b;
+      const double tolerance = kMismatch * std::max({std::abs(b), row.fixed_size, general.size * q_scale_});
       if (slack < -tolerance || (general.equality && slack > tolerance)) return false;
       continue;
     }
-    for (size_t k = first; k < entries.size(); ++k)
-      entries[k] = {entries[k].row(), entries[k].col(), entries[k].value() / general.norm};
+    const int at = static_cast<int>(kept.size());
+    general.norm = std::sqrt(row.open);
+    for (const auto& [column, value] : row.entries) entries.emplace_back(at, column, value / general.norm);
     rhs.push_back(b / general.norm);
     if (general.equality) ++qp_.n_equalities;
-    if (!general.equality) row_of_[general.row] = static_cast<int>(kept.size());
+    if (!general.equality) row_of_[general.row] = at;
     kept.push_back(general);
   }
   general_ = std::move(kept);
+  const int n = qp_.size();
   qp_.rows.resize(static_cast<int>(general_.size()), n);
   qp_.rows.setFromTriplets(entries.begin(), entries.end());
   qp_.rhs = Eigen::Map<const VecX>(rhs.data(), static_cast<Eigen::Index>(rhs.size()));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "block_basis.hpp"
@@ -66,9 +67,16 @@ class Reduction {
     double size;  ///< of the row in q
   };
 
+  struct TransformedRow {
+    std::vector<std::pair<int, double>> entries;
+    double all = 0, open = 0;                ///< squared length, and of its part outside the fixed coordinates
+    double fixed_value = 0, fixed_size = 0;  ///< sum, and sum of sizes, of the terms of the fixed coordinates
+  };
+
   void sort_rows(const SparseRows& A, const VecX& b, bool equality);
   bool make_bases();
   void transform_H(const SparseMatrix& H);
+  TransformedRow transform_row(const SparseRows& A, int row) const;
   bool add_general_rows(const QpProblem& problem);
 
   BlockPattern pattern_;
