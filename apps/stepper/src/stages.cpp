@@ -12,11 +12,25 @@ namespace {
 constexpr double merge_share_of_length = 0.01;
 /// ... but never more than this share of the shortest edge wanted, else every fine triangle would be merged away.
 constexpr double merge_share_of_size = 0.5;
+/// A fold that moves by s per step absorbs what is nearer than this many s, so that the step, which may cross 0.3 of a
+/// triangle, need not be cut; up to this share of the longest edge wanted, beyond which it is cut.
+constexpr double merge_per_stride = 7;
+constexpr double merge_share_of_longest = 0.35;
 
 double material_length(const Cloth& cloth) {
   Vec2 low = cloth.mesh.X.front(), high = low;
   for (const Vec2& X : cloth.mesh.X) low = low.cwiseMin(X), high = high.cwiseMax(X);
   return (high - low).maxCoeff();
+}
+
+/// Distance under which conformal vertices and their neighbours are merged.
+double merge_distance(const Cloth& cloth, const AdaptOptions& options, double h) {
+  const double at_rest =
+      std::min(merge_share_of_length * material_length(cloth), merge_share_of_size * options.size[0]);
+  double stride = 0;
+  for (const Vec2& V : cloth.V) stride = std::max(stride, h * V.norm());
+  const double longest = std::max(at_rest, merge_share_of_longest * options.size[1]);
+  return std::clamp(merge_per_stride * stride, at_rest, longest);
 }
 
 /// Two passes as one: the second starts from the first one's result.
@@ -56,16 +70,15 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
     };
   }
   if (spec.remeshing == RemeshMethod::Adaptive)
-    stages.remesh = [options = spec.adapt](const Cloth& cloth, std::span<const Contact>,
-                                           std::span<const PosedObstacle>) { return adapt(cloth, options); };
+    stages.remesh = [options = spec.adapt](const Cloth& cloth, std::span<const Contact>, std::span<const PosedObstacle>,
+                                           double) { return adapt(cloth, options); };
   if (spec.remeshing == RemeshMethod::Conformal)
     stages.remesh = [options = spec.adapt, snap = scene.threshold](const Cloth& cloth,
                                                                    std::span<const Contact> contacts,
-                                                                   std::span<const PosedObstacle> obstacles) {
+                                                                   std::span<const PosedObstacle> obstacles, double h) {
       ConformOptions conform_options;
       conform_options.snap = snap;
-      conform_options.merge =
-          std::min(merge_share_of_length * material_length(cloth), merge_share_of_size * options.size[0]);
+      conform_options.merge = merge_distance(cloth, options, h);
       RemeshResult conformed = conform(cloth, contacts, obstacles, conform_options);
       RemeshResult adapted = adapt(conformed.cloth, options);
       return chain_passes(std::move(conformed), std::move(adapted));

@@ -207,7 +207,7 @@ void SheetStepper::Impl::detect(Work& work) {
 
 void SheetStepper::Impl::remesh(Work& work) {
   if (!stages.remesh) return;
-  RemeshResult remeshed = stages.remesh(work.cloth, work.contacts, work.posed);
+  RemeshResult remeshed = stages.remesh(work.cloth, work.contacts, work.posed, work.h);
   const RemeshReport& done = remeshed.report;
   StepReport& report = work.report;
   report.inserted = done.inserted;
@@ -285,6 +285,7 @@ bool SheetStepper::Impl::integrate(Work& work, std::span<const Obstacle> obstacl
 StepResult SheetStepper::step(const Cloth& cloth, std::span<const Obstacle> obstacles, double time, double h) {
   require(h > 0, "SheetStepper::step: expected h > 0");
   require(cloth.mesh.is_compact(), "SheetStepper::step: expected a compact mesh");
+  require(all_finite(cloth), "SheetStepper::step: expected finite positions and velocities");
   Work work{.time = time, .h = h, .posed = pose_all(obstacles, time, h), .cloth = cloth};
   impl_->detect(work);
   impl_->remesh(work);

@@ -43,7 +43,7 @@ struct StepReport {
 /// The stages of Algorithm 1 as replaceable functions; an empty one is left out and costs nothing.
 struct Stages {
   std::function<std::vector<Contact>(const Cloth&, std::span<const PosedObstacle>, double h)> detect;
-  std::function<RemeshResult(const Cloth&, std::span<const Contact>, std::span<const PosedObstacle>)> remesh;
+  std::function<RemeshResult(const Cloth&, std::span<const Contact>, std::span<const PosedObstacle>, double h)> remesh;
   std::function<QpResult(const QpProblem&, std::span<const char> guess)> solve;
 };
 
