@@ -86,6 +86,7 @@ class Adapter {
   void split_long_edges();
   void split(int h, Queue& queue);
   void collapse_short_edges();
+  bool may_go(int p, int q) const;
   bool should_collapse(int p, int q) const;
   void collapse(int p, int q, Queue& queue);
   std::vector<int> halfedges_of(const std::vector<int>& faces) const;
@@ -145,18 +146,16 @@ bool Adapter::should_flip(int h) const {
   return check.sound && check.dihedral <= flip_dihedral && check.angle >= std::min(least_angle, check.angle_before);
 }
 
+// A half-edge stays the name of some edge whatever is flipped, so the stack needs no upkeep.
 void Adapter::flip_around(const std::vector<int>& halfedges) {
-  std::vector<std::pair<int, int>> stack;
-  for (const int h : halfedges) stack.emplace_back(mesh().from(h), mesh().to(h));
-  std::reverse(stack.begin(), stack.end());
+  std::vector<int> stack(halfedges.rbegin(), halfedges.rend());
   while (!stack.empty()) {
-    const auto [a, b] = stack.back();
+    const int h = stack.back();
     stack.pop_back();
-    const int h = mesh().find_edge(a, b);
-    if (h == Mesh::none || !should_flip(h)) continue;
-    if (!may_go_on(a)) return;
+    if (!mesh().face_live(Mesh::face_of(h)) || !should_flip(h)) continue;
+    if (!may_go_on(mesh().from(h))) return;
     const std::array<int, 2> faces = editor_.flip(h);
-    for (const int side : halfedges_of({faces[0], faces[1]})) stack.emplace_back(mesh().from(side), mesh().to(side));
+    for (const int side : halfedges_of({faces[0], faces[1]})) stack.push_back(side);
   }
 }
 
@@ -189,9 +188,16 @@ void Adapter::split(int h, Queue& queue) {
   push(queue, halfedges_of(faces), true);
 }
 
+// A chain is thinned along itself only: its ends, its corners and its course stay.
+bool Adapter::may_go(int p, int q) const {
+  if (cloth().pins[p] != 0) return false;
+  if (!cloth().is_eol(p)) return !mesh().is_border_vertex(p) || !mesh().is_material_corner(p);
+  return cloth().feature[p].kind == FeatureKind::Edge && !mesh().is_border_vertex(p) &&
+         mesh().tag(mesh().find_edge(p, q)) != 0;
+}
+
 bool Adapter::should_collapse(int p, int q) const {
-  if (cloth().is_eol(p) || cloth().pins[p] != 0) return false;
-  if (mesh().is_border_vertex(p) && mesh().is_material_corner(p)) return false;
+  if (!may_go(p, q)) return false;
   for (const int s : mesh().neighbours(p))
     if (s != q && length(s, q) > collapse_below) return false;
   if (!mesh().can_collapse_vertex(p, q)) return false;

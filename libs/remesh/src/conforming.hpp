@@ -14,7 +14,8 @@
 // that a scene at another scale behaves the same.
 namespace crease {
 
-// -- shares of `merge` (material space) ---------------------------------------------------------------------------------
+// -- shares of `merge` (material space)
+// ---------------------------------------------------------------------------------
 /// A chain this near to a border that runs along it, or to a material corner, is released.
 inline constexpr double release_share = 0.35;
 /// Nothing is inserted nearer to such a border than this: the gap to release_share is the hysteresis.
@@ -29,10 +30,12 @@ inline constexpr double thin_share = 0.5;
 inline constexpr double forced_share = 0.3;
 /// What is left below this is reported.
 inline constexpr double report_share = 0.2;
-// -- shares of `snap` (world) -------------------------------------------------------------------------------------------
+// -- shares of `snap` (world)
+// -------------------------------------------------------------------------------------------
 /// An EOL vertex farther than this from its feature has left it.
 inline constexpr double leave_share = 2;
-// -- share of the border angle ------------------------------------------------------------------------------------------
+// -- share of the border angle
+// ------------------------------------------------------------------------------------------
 /// A chain that meets the border at less than this share of the angle is released.
 inline constexpr double release_angle_share = 0.75;
 
@@ -61,7 +64,8 @@ struct SurfacePoint {
 };
 SurfacePoint on_edge_point(const Cloth& cloth, int h, double t);
 
-// -- stages ---------------------------------------------------------------------------------------------------------------
+// -- stages
+// ---------------------------------------------------------------------------------------------------------------
 void release_strays(Conforming& c);
 void insert_contacts(Conforming& c, std::span<const Contact> contacts);
 void connect_chains(Conforming& c);
@@ -69,7 +73,8 @@ void merge_near_chains(Conforming& c);
 /// Eq. 13 for every vertex that became EOL in this call.
 void share_velocities(Conforming& c);
 
-// -- shared by insertion and connection -----------------------------------------------------------------------------------
+// -- shared by insertion and connection
+// -----------------------------------------------------------------------------------
 /// Why no vertex may begin to ride on `feature` at the material point P, whose chain would run along `direction`.
 /// `border_edge`: the border half-edge on which P lies, or none.
 std::optional<RefusalReason> inadmissible(const Conforming& c, const Vec2& P, const Vec2& direction, int border_edge);

@@ -10,9 +10,9 @@
 
 // A chain is made link by link. The EOL vertices of one obstacle edge are sorted along it; two that follow each other
 // are neighbours if the cloth between them lies on the edge, which is seen by walking straight from one to the other
-// through the material: wherever the walk crosses a mesh edge, the cloth must be near the obstacle edge. (Several layers
-// of cloth on one edge are told apart that way.) Where two crossed edges of a triangle were split one after the other,
-// the link is a mesh edge already and only gets its tag; elsewhere the walk makes it, by splits and flips.
+// through the material: wherever the walk crosses a mesh edge, the cloth must be near the obstacle edge. (Several
+// layers of cloth on one edge are told apart that way.) Where two crossed edges of a triangle were split one after the
+// other, the link is a mesh edge already and only gets its tag; elsewhere the walk makes it, by splits and flips.
 namespace crease {
 
 namespace {

@@ -145,6 +145,11 @@ void Editor::refuse(RefusalReason reason, int vertex, const Vec2& X) {
   report_.refusals.push_back({reason, vertex, X});
 }
 
+void Editor::refuse_once(RefusalReason reason, const Vec2& X) {
+  const auto is_same = [&](const Refusal& r) { return r.reason == reason; };
+  if (std::none_of(report_.refusals.begin(), report_.refusals.end(), is_same)) refuse(reason, Mesh::none, X);
+}
+
 // Lumped masses give the exact change of linear momentum, since the patch's vertices keep all their faces.
 void Editor::repay(const Vec3& debt, std::span<const int> vertices) {
   const auto is_free = [&](int v) { return !cloth_.is_eol(v) && cloth_.pins[v] == 0; };

@@ -41,6 +41,8 @@ class Editor {
   void set_tag(int h, int tag);
 
   void refuse(RefusalReason reason, int vertex, const Vec2& X);
+  /// Only the first of a kind: a whole chain refused at a border is one thing to report.
+  void refuse_once(RefusalReason reason, const Vec2& X);
 
   /// The compact cloth and the completed report. With nothing done, the very cloth that was given.
   RemeshResult finish() &&;

@@ -82,11 +82,12 @@ bool in_one_line(const Cloth& cloth, int a, int b, int c) {
 
 Ring ring_after(const Cloth& cloth, int vertex, const Target& target) {
   const Mesh& mesh = cloth.mesh;
-  Ring ring{.altitude = infinity, .angle = infinity, .angle_before = infinity};
+  Ring ring{.altitude = infinity, .altitude_before = infinity, .angle = infinity, .angle_before = infinity};
   NearestFace nearest;
   for (const int h : mesh.outgoing(vertex)) {
     const int f = Mesh::face_of(h), s = mesh.to(h), t = mesh.opposite(h);
     const auto X_old = material_corners(mesh, f);
+    ring.altitude_before = std::min(ring.altitude_before, smallest_altitude(X_old));
     ring.angle_before = std::min(ring.angle_before, smallest_angle(X_old));
     const bool has_a = s == target.a || t == target.a;
     const bool has_b = target.b == Mesh::none || s == target.b || t == target.b;

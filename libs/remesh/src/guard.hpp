@@ -27,12 +27,11 @@ Target on_edge(const Mesh& mesh, int a, int b, double t);
 
 /// The faces round a vertex after it has gone to its target.
 struct Ring {
-  bool sound = true;    ///< all of positive material area, none with three corners on one obstacle edge
-  double altitude = 0;  ///< smallest in material space [m]
-  double angle = 0;     ///< smallest in material space [rad]
-  double angle_before = 0;
-  double turn = 0;   ///< largest turn of a face's world normal [rad]
-  double shift = 0;  ///< distance of the removed vertex from the surface that is left [m]
+  bool sound = true;                         ///< all of positive material area, none with three corners on one edge
+  double altitude = 0, altitude_before = 0;  ///< smallest in material space [m]
+  double angle = 0, angle_before = 0;        ///< smallest in material space [rad]
+  double turn = 0;                           ///< largest turn of a face's world normal [rad]
+  double shift = 0;                          ///< distance of the removed vertex from the surface that is left [m]
 };
 Ring ring_after(const Cloth& cloth, int vertex, const Target& target);
 

@@ -19,10 +19,13 @@ namespace {
 
 // A slide may take this share of a triangle's altitude.
 constexpr double slide_altitude_loss = 0.5;
-// A new vertex is not put nearer to the rim of its face or edge than this share of `merge`; the mesh asks for more than 0.
+// A new vertex is not put nearer to the rim of its face or edge than this share of `merge`; the mesh asks for more than
+// 0.
 constexpr double least_gap_share = 0.02;
 // A motion that leaves a feature rises by at least this over the way it goes; less is round-off of a sliding one.
 constexpr double separating_sine = 1e-3;
+// ... and has got away from it by at least this share of `snap`; less is round-off of one that lies on it.
+constexpr double separating_gap_share = 1e-6;
 
 bool may_ride(const Conforming& c, int v) {
   if (c.cloth().is_eol(v) || c.cloth().pins[v] != 0) return false;
@@ -58,8 +61,8 @@ Mat32 edge_gradient(const Mesh& mesh, int h) {
 }
 
 struct Crossing {
-  int rank;       ///< 0: an end on the border may be used, 1: another end, 2: a new vertex
-  double gap;     ///< material distance to the nearer end [m]
+  int rank;    ///< 0: an end on the border may be used, 1: another end, 2: a new vertex
+  double gap;  ///< material distance to the nearer end [m]
   int contact;
 };
 
@@ -114,7 +117,7 @@ void insert_crossing(Conforming& c, const Contact& contact) {
   const bool at_border_vertex = gap <= c.merge(least_gap_share) && c.mesh().is_border_vertex(end);
   const int border_edge = c.mesh().is_border(h) ? h : at_border_vertex ? c.mesh().halfedge(end) : Mesh::none;
   if (const auto reason = inadmissible(c, point.X, direction, border_edge)) {
-    c.editor.refuse(*reason, Mesh::none, point.X);
+    c.editor.refuse_once(*reason, point.X);
     return;
   }
   if (gap <= adopt_reach(c, h) && adopt(c, end, point, contact.feature, c.mesh().is_border(h))) return;
@@ -134,8 +137,8 @@ int face_with(const Mesh& mesh, const Contact& contact, const Vec2& P) {
 bool adopt_nearest(Conforming& c, int face, const SurfacePoint& point, const FeatureId& corner) {
   const std::array<int, 3> vertices = c.mesh().face(face);
   const auto distance = [&](int v) { return (c.mesh().X[v] - point.X).norm(); };
-  const int v = *std::min_element(vertices.begin(), vertices.end(),
-                                  [&](int p, int q) { return distance(p) < distance(q); });
+  const int v =
+      *std::min_element(vertices.begin(), vertices.end(), [&](int p, int q) { return distance(p) < distance(q); });
   if (distance(v) > c.merge(adopt_share) || c.mesh().is_border_vertex(v)) return false;
   const FeatureId feature = c.cloth().feature[v];
   if (feature.kind == FeatureKind::Edge && lies_on(corner, feature, c.obstacles) && can_slide(c.mesh(), v, point.X))
@@ -160,7 +163,7 @@ void insert_corner(Conforming& c, const Contact& contact) {
   }
   if (separates(c, contact.feature, point)) return;
   if (c.border.distance(P) < c.merge(insert_border_share)) {
-    c.editor.refuse(RefusalReason::NearBorder, Mesh::none, P);
+    c.editor.refuse_once(RefusalReason::NearBorder, P);
     return;
   }
   if (adopt_nearest(c, face, point, contact.feature)) return;
@@ -208,6 +211,7 @@ bool separates(const Conforming& c, const FeatureId& feature, const SurfacePoint
   if (outside && *outside <= 0) return false;
   const Vec3 away = point.x - nearest_on(feature, c.obstacles, point.x);
   const Vec3 motion = point.v - velocity_at(feature, c.obstacles, point.x);
+  if (away.norm() <= separating_gap_share * c.options.snap) return false;
   return away.dot(motion) > separating_sine * away.norm() * motion.norm();
 }
 

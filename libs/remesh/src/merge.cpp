@@ -15,11 +15,11 @@
 // Per EOL vertex, until nothing is due:
 //  - neighbours on the chain that are too near become one;
 //  - a free vertex r that is too near, or low over a chain edge, goes into the chain: into one of its vertices, or, if
-//    that leaves poor triangles, into a new one at r's foot. A foot is at least sqrt(1 - thin^2) merges from both ends of
-//    its edge, or r would be near one of them; so it is not merged away again, and each vertex is absorbed once;
+//    that leaves poor triangles, into a new one at r's foot. A foot is at least sqrt(1 - thin^2) merges from both ends
+//    of its edge, or r would be near one of them; so it is not merged away again, and each vertex is absorbed once;
 //  - an obtuse triangle whose longest side faces the chain is flipped.
-// Absorbing removes a vertex, merging too, a flip raises the smallest altitude by a fixed factor; a budget ends it in any
-// case. Permission to move the surface grows as room shrinks: a small dent in the cloth is better than a step that
+// Absorbing removes a vertex, merging too, a flip raises the smallest altitude by a fixed factor; a budget ends it in
+// any case. Permission to move the surface grows as room shrinks: a small dent in the cloth is better than a step that
 // cannot be taken.
 namespace crease {
 
@@ -29,8 +29,6 @@ namespace {
 constexpr double flip_gain = 1.2;
 // Absorbing into an existing vertex leaves at least this share of `merge` of altitude, or a foot is tried.
 constexpr double good_altitude_share = 0.8;
-// Absorbing must leave this much more room than there was, unless there is plenty.
-constexpr double room_gain = 1.5;
 // A foot nearer to an end of its chain edge than this share of `merge` is that end.
 constexpr double least_foot_share = 0.5;
 // Operations per EOL vertex and call.
@@ -162,11 +160,12 @@ bool Merger::absorb_neighbours(int v) {
   return false;
 }
 
+// Triangles may stay as thin as they were: another vertex may be the cause, and its turn comes.
 double Merger::altitude_after(int r, const Target& target, const Permission& allowed) const {
   const Ring ring = ring_after(cloth(), r, target);
   if (!ring.sound || ring.turn > allowed.turn || ring.shift > allowed.shift) return 0;
   if (!allowed.forced && ring.angle < std::min(least_angle, ring.angle_before)) return 0;
-  return ring.altitude;
+  return ring.altitude >= std::min(c_.merge(thin_share), ring.altitude_before) ? ring.altitude : 0;
 }
 
 Merger::Way Merger::best_vertex(int r, const Permission& allowed) const {
@@ -198,12 +197,11 @@ bool Merger::absorb(int r, double room) {
   if (cloth().pins[r] != 0 || (mesh().is_border_vertex(r) && mesh().is_material_corner(r))) return false;
   const Permission allowed = permission(room);
   const Way vertex = best_vertex(r, allowed), foot = best_foot(r, allowed);
-  const double needed = std::min(c_.merge(thin_share), room_gain * room);
-  if (vertex.altitude >= needed && vertex.altitude >= std::min(c_.merge(good_altitude_share), foot.altitude)) {
+  if (vertex.altitude > 0 && vertex.altitude >= std::min(c_.merge(good_altitude_share), foot.altitude)) {
     c_.editor.collapse(r, vertex.into);
     return true;
   }
-  if (foot.altitude < needed) return false;
+  if (foot.altitude == 0) return false;
   const int m = c_.editor.split(foot.edge, foot.t).vertex;
   if (mesh().can_collapse_vertex(r, m)) c_.editor.collapse(r, m);
   return true;
@@ -218,7 +216,8 @@ bool Merger::open_faces(int v) {
       if (mesh().material_length(h) > mesh().material_length(longest)) longest = h;
     const FlipCheck check = flip_check(cloth(), longest);
     const Permission allowed = permission(room);
-    if (!check.sound || check.dihedral > allowed.dihedral || check.altitude < flip_gain * check.altitude_before) continue;
+    if (!check.sound || check.dihedral > allowed.dihedral || check.altitude < flip_gain * check.altitude_before)
+      continue;
     if (!allowed.forced) {
       // What adapt() would flip back is left alone.
       const auto& X = mesh().X;
@@ -268,6 +267,8 @@ void Merger::run() {
 
 }  // namespace
 
-void merge_near_chains(Conforming& c) { Merger(c).run(); }
+void merge_near_chains(Conforming& c) {
+  Merger(c).run();
+}
 
 }  // namespace crease

@@ -30,13 +30,23 @@ bool hugs_border(const Conforming& c, int v) {
   return false;
 }
 
+// A chain that meets the border crosswise ends there in a vertex, into which this one will be merged.
+bool ends_at_border_beside(const Conforming& c, int v) {
+  const Mesh& mesh = c.mesh();
+  for (const int u : mesh.neighbours(v))
+    if (mesh.tag(mesh.find_edge(v, u)) != 0 && mesh.is_border_vertex(u) &&
+        (mesh.X[u] - mesh.X[v]).norm() < c.options.merge)
+      return true;
+  return false;
+}
+
 bool is_crowded(const Conforming& c, int v) {
   const Mesh& mesh = c.mesh();
   const double reach = c.merge(release_share);
   if (c.border.corner_distance(mesh.X[v]) < reach) return true;
   if (mesh.is_border_vertex(v)) return c.cloth().feature[v].kind == FeatureKind::Corner || hugs_border(c, v);
   if (c.border.distance(mesh.X[v]) >= reach) return false;
-  if (c.cloth().feature[v].kind == FeatureKind::Corner) return true;
+  if (c.cloth().feature[v].kind == FeatureKind::Corner || !ends_at_border_beside(c, v)) return true;
   const Vec2 tangent = chain_tangent(c.cloth(), v, c.obstacles);
   return c.border.distance_along(mesh.X[v], tangent, c.border_cosine(release_angle_share)) < reach;
 }

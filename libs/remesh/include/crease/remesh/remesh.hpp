@@ -43,7 +43,7 @@ struct RemeshReport {
   int inserted = 0;                ///< new EOL vertices from contact
   int released = 0;                ///< EOL vertices made Lagrangian
   int splits = 0, flips = 0, collapses = 0;
-  std::vector<Refusal> refusals;
+  std::vector<Refusal> refusals;   ///< NearBorder and AtCorner are rules, not trouble: at most one of each is listed
   std::vector<int> vertex_map;     ///< old -> new vertex (Mesh::none = gone); empty when nothing changed
   double smallest_angle = 0;       ///< of the material triangles [rad]
   Vec3 momentum_change = Vec3::Zero();      ///< linear, by the whole pass, per unit density [kg m/s / (kg/m^2)]
@@ -58,8 +58,9 @@ struct RemeshResult {
 std::vector<Mat2> sizing_field(const Cloth& cloth, const AdaptOptions& options);
 
 /// Splits, flips and collapses until every metric edge length is at most 1 and no collapse is due. Chains (tagged
-/// edges), pinned vertices, EOL vertices and material corners stay. Ends by construction: a budget of operations
-/// proportional to the faces wanted; what was refused is reported.
+/// edges), pinned vertices, EOL vertices and material corners stay, but for one thing: a chain denser than its sizes ask
+/// for loses inner vertices, by collapses along itself. Ends by construction: a budget of operations proportional to the
+/// faces wanted; what was refused is reported.
 RemeshResult adapt(const Cloth& cloth, const AdaptOptions& options);
 
 /// Makes every sharp feature that the cloth touches a chain of mesh edges through EOL vertices: inserts where `contacts`
