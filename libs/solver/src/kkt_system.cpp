@@ -96,8 +96,15 @@ bool KktSystem::add_columns(const WorkingSet& set) {
   MatX C(n, n_new);
   for (int k = 0; k < n_new; ++k) fill_column(fresh[k], C.col(k));
   Y_.middleCols(n_slots_, n_new) = cholesky_.forward(C);
-  gram_.block(0, n_slots_, n_all, n_new).noalias() = Y_.leftCols(n_all).transpose() * Y_.middleCols(n_slots_, n_new);
-  gram_.block(n_slots_, 0, n_new, n_slots_) = gram_.block(0, n_slots_, n_slots_, n_new).transpose();
+  const auto fresh_Y = Y_.middleCols(n_slots_, n_new);
+  auto own = gram_.block(n_slots_, n_slots_, n_new, n_new);
+  own.setZero();
+  own.selfadjointView<Eigen::Lower>().rankUpdate(fresh_Y.transpose());
+  own.triangularView<Eigen::StrictlyUpper>() = own.transpose();
+  if (n_slots_ > 0) {
+    gram_.block(n_slots_, 0, n_new, n_slots_).noalias() = fresh_Y.transpose() * Y_.leftCols(n_slots_);
+    gram_.block(0, n_slots_, n_slots_, n_new) = gram_.block(n_slots_, 0, n_new, n_slots_).transpose();
+  }
   n_slots_ = n_all;
   for (const int item : fresh)
     if (item >= n && delta_[item - n] == 0)
@@ -172,7 +179,8 @@ bool KktSystem::solve(const WorkingSet& set, const VecX& f, const VecX& value, c
   VecX held = VecX::Zero(n);
   for (int i = 0; i < n; ++i)
     if (base_[i] && set.held[i]) held[i] = value[i];
-  const VecX push = f - qp_->H * held;
+  VecX push = f;
+  if ((held.array() != 0).any()) push -= qp_->H * held;
   VecX r = push;
   for (int i = 0; i < n; ++i)
     if (base_[i]) r[i] = 0;
