@@ -75,6 +75,7 @@ class Linker {
   bool has_link(int v, bool ahead) const;
   bool could_follow(int p, int q) const;
   bool lies_near(const Vec3& x) const;
+  bool may_pass(int u) const;
   bool is_on_feature(int p, int q) const;
   bool make_link(int p, int q);
   int step_to_vertex(int p, int u, int q);
@@ -101,6 +102,12 @@ bool Linker::lies_near(const Vec3& x) const {
   return (x - nearest_on(feature_, c_.obstacles, x)).norm() <= walk_share * c_.options.snap;
 }
 
+// A vertex that has lifted off is a hole in the chain, not a link that is missing.
+bool Linker::may_pass(int u) const {
+  if (lies_on(c_.cloth().feature[u], feature_, c_.obstacles)) return true;
+  return lies_near(mesh().x[u]) && !separates(c_, feature_, {mesh().X[u], mesh().x[u], c_.cloth().world_velocity(u)});
+}
+
 // The walk through the mesh as it is, without changing it.
 bool Linker::is_on_feature(int p, int q) const {
   const Vec2 P = mesh().X[p], d = mesh().X[q] - P;
@@ -109,7 +116,7 @@ bool Linker::is_on_feature(int p, int q) const {
     if (exit.kind == Exit::Kind::None) return false;
     if (exit.kind == Exit::Kind::Vertex) {
       if (exit.vertex == q) return true;
-      if (!lies_near(mesh().x[exit.vertex])) return false;
+      if (!may_pass(exit.vertex)) return false;
       exit = exit_towards(mesh(), exit.vertex, q, c_.merge(vertex_share));
       continue;
     }
@@ -144,7 +151,7 @@ int Linker::step_to_vertex(int p, int u, int q) {
   if (u != q && !lies_on(c_.cloth().feature[u], feature_, c_.obstacles)) {
     const Vec2 d = (mesh().X[q] - mesh().X[p]).normalized();
     const SurfacePoint here{mesh().X[u], mesh().x[u], c_.cloth().v[u]};
-    if (!lies_near(here.x) || separates(c_, feature_, here)) return Mesh::none;
+    if (!may_pass(u)) return Mesh::none;
     if (inadmissible(c_, here.X, d, Mesh::none) || !adopt(c_, u, here, feature_, false)) return Mesh::none;
   }
   c_.editor.set_tag(mesh().find_edge(p, u), tag_);

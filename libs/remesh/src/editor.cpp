@@ -118,8 +118,11 @@ void Editor::slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v) {
 
 void Editor::ride(int vertex, const FeatureId& feature, const Vec3& point) {
   CREASE_ASSERT(!cloth_.is_eol(vertex));
-  cloth_.feature[vertex] = feature;
+  const std::vector<int> faces = faces_around(mesh(), vertex);
+  const Vec3 before = momentum(cloth_, faces);
   cloth_.mesh.x[vertex] = point;
+  repay(before - momentum(cloth_, faces), mesh().neighbours(vertex));  // F of faces with other EOL vertices changed
+  cloth_.feature[vertex] = feature;
   report_.changed = true;
   ++report_.inserted;
 }

@@ -120,6 +120,8 @@ void insert_crossing(Conforming& c, const Contact& contact) {
     c.editor.refuse_once(*reason, point.X);
     return;
   }
+  // This near to a border the chain's end there is all that is wanted: another vertex would be merged into it.
+  if (border_edge == Mesh::none && c.border.distance(point.X) < c.merge(insert_border_share)) return;
   if (gap <= adopt_reach(c, h) && adopt(c, end, point, contact.feature, c.mesh().is_border(h))) return;
   if (gap <= c.merge(least_gap_share) || insert_on_edge(c, h, t, contact.feature) == Mesh::none)
     c.editor.refuse(RefusalReason::WouldInvert, Mesh::none, point.X);
