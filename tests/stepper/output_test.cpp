@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstring>
 #include <map>
-#include <regex>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -33,9 +32,13 @@ struct PolyData {
   std::map<std::string, Array> point_data, cell_data, topology;
 };
 
-std::string attribute(const std::string& element, const std::string& name) {
-  std::smatch match;
-  return std::regex_search(element, match, std::regex("\\b" + name + "=\"([^\"]*)\"")) ? match[1].str() : "";
+/// Value of the first attribute of that name, "" if there is none.
+std::string attribute(const std::string& text, const std::string& name) {
+  const std::string key = " " + name + "=\"";
+  const std::size_t at = text.find(key);
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + key.size();
+  return text.substr(begin, text.find('"', begin) - begin);
 }
 
 /// VTK's rules: an appended array is a UInt64 byte count and the raw values, at `offset` bytes after the underscore.
@@ -71,15 +74,16 @@ PolyData read_vtp(const fs::path& file) {
   data.n_points = std::stoi(attribute(head, "NumberOfPoints"));
   data.n_polys = std::stoi(attribute(head, "NumberOfPolys"));
   std::string section;
-  const std::regex elements("<(/?)(\\w+)[^>]*>");
-  for (auto it = std::sregex_iterator(head.begin(), head.end(), elements); it != std::sregex_iterator(); ++it) {
-    const std::string element = it->str(), name = (*it)[2];
-    if ((*it)[1] == "/") continue;
+  for (std::size_t at = head.find('<'); at != std::string::npos; at = head.find('<', at + 1)) {
+    const std::size_t end = head.find('>', at);
+    const std::string element = head.substr(at, end - at),
+                      name = element.substr(1, element.find_first_of(" />", 1) - 1);
+    if (name.empty()) continue;  // a closing tag
     if (name != "DataArray") {
       section = name;
     } else if (section == "FieldData") {
       EXPECT_EQ(attribute(element, "Name"), "TimeValue");
-      data.time = std::stod(it->suffix().str());
+      data.time = std::stod(head.substr(end + 1));
     } else {
       auto& arrays = section == "CellData" ? data.cell_data : section == "PointData" ? data.point_data : data.topology;
       arrays[attribute(element, "Name")] = read_array(element, raw);

@@ -304,8 +304,8 @@ TEST(Run, ReportsItsProgressAfterEachStep) {
   for (int k = 0; k < 4; ++k) {
     EXPECT_EQ(seen[k].step, k + 1);
     EXPECT_DOUBLE_EQ(seen[k].time, 0.005 * (k + 1));
-    EXPECT_EQ(seen[k].duration, 0.225);
-    EXPECT_EQ(seen[k].faces, 36);  // 3 x 3 cells, 4 triangles each
+    EXPECT_EQ(seen[k].duration, 0.02);  // what is asked for, so that progress ends at 100 %
+    EXPECT_EQ(seen[k].faces, 36);       // 3 x 3 cells, 4 triangles each
     EXPECT_GE(seen[k].wall, k ? seen[k - 1].wall : 0.0);
   }
 }

@@ -56,7 +56,7 @@ std::string obstacles_json(std::span<const Obstacle> obstacles, std::span<const 
     for (const double time : frame_times) json["poses"].push_back(pose_json(pose_at(obstacle, time), time));
     all.push_back(std::move(json));
   }
-  return Json{{"format", 1}, {"obstacles", std::move(all)}}.dump() + "\n";
+  return Json{{"format", 1}, {"obstacles", std::move(all)}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace crease

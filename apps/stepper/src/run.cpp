@@ -74,6 +74,7 @@ class Run {
   double time() const { return schedule_.end_of(step_); }
   int n_frames() const { return schedule_.frames_until(step_); }
   bool reached_end() const { return step_ >= schedule_.n_steps; }
+  double wanted_end() const { return std::min(scene_.duration, options_.until.value_or(scene_.duration)); }
   bool reached_until() const { return options_.until && time() >= *options_.until - until_slack * schedule_.time_step; }
   bool leaves_out(const char* stage) const {
     return std::find(left_out_.begin(), left_out_.end(), stage) != left_out_.end();
@@ -144,7 +145,7 @@ RunResult Run::go(const std::function<bool(const RunProgress&)>& progress) {
   while (!reached_end() && !reached_until()) {
     if (std::optional<std::string> failure = step()) return finish(RunStatus::SimulationFailed, std::move(*failure));
     const StepRow& row = tally_.last();
-    const bool go_on = !progress || progress({time(), scene_.duration, tally_.sums().t_total, step_,
+    const bool go_on = !progress || progress({time(), wanted_end(), tally_.sums().t_total, step_,
                                               static_cast<int>(row.faces), static_cast<int>(row.eol_vertices),
                                               static_cast<int>(row.contacts), static_cast<int>(tally_.sums().retries)});
     if (!go_on && !reached_end() && !reached_until())

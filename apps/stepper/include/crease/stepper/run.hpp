@@ -22,7 +22,8 @@ struct RunOptions {
 };
 
 struct RunProgress {
-  double time, duration, wall;  ///< [s]
+  double time, duration;  ///< reached, and asked for: the scene's duration or `until` [s]
+  double wall;            ///< spent so far, earlier parts of a resumed run included [s]
   int step, faces, eol_vertices, contacts, retries;
 };
 
