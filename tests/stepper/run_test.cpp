@@ -225,6 +225,7 @@ TEST(Run, NamesThePathThatCannotBeWritten) {
   EXPECT_EQ(midway.status, RunStatus::FileTrouble);
   EXPECT_NE(midway.message.find(blocked.string()), std::string::npos) << midway.message;
   EXPECT_FALSE(fs::exists(blocked.string() + ".tmp"));
+  EXPECT_EQ(summary_of(folder.path() / "run")["why"], midway.message);
 }
 
 TEST(Run, FailsWithStepTimeAndStageAfterTenHalvings) {

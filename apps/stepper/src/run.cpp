@@ -64,6 +64,7 @@ class Run {
  private:
   void begin();
   std::vector<StepRow> kept_rows() const;
+  RunResult take_steps(const std::function<bool(const RunProgress&)>& progress);
   std::optional<std::string> step();
   void measure_step(StepRow& row) const;
   void write_frame(int frame) const;
@@ -142,6 +143,18 @@ std::vector<StepRow> Run::kept_rows() const {
 }
 
 RunResult Run::go(const std::function<bool(const RunProgress&)>& progress) {
+  try {
+    return take_steps(progress);
+  } catch (const FileError& error) {
+    try {
+      write_summary(false, error.what());
+    } catch (const FileError&) {  // the same trouble; the result tells it
+    }
+    throw;
+  }
+}
+
+RunResult Run::take_steps(const std::function<bool(const RunProgress&)>& progress) {
   while (!reached_end() && !reached_until()) {
     if (std::optional<std::string> failure = step()) return finish(RunStatus::SimulationFailed, std::move(*failure));
     const StepRow& row = tally_.last();
