@@ -91,13 +91,13 @@ TEST(Conform, KeepsTheChainWhileTheSheetSlidesOver) {
       const double offset = offsets[run++ % 4];
       SCOPED_TRACE("pattern " + std::to_string(static_cast<int>(pattern)) + ", angle " + std::to_string(degrees) +
                    ", offset " + std::to_string(offset));
-      SlidingSheet sheet({.pattern = pattern, .angle = degrees * degree, .place = 0.4 + offset});
+      SlidingSheet sheet({.pattern = pattern, .cells = 14, .angle = degrees * degree, .place = 0.4 + offset});
       sheet.cloth = sheet.conform({}).cloth;
       const int inserted = sheet.cloth.n_eol();
       ASSERT_GE(inserted, 5);
       if (run % 2 == 0) sheet.bend(-90 * degree);
       AdaptOptions sizes;
-      sizes.size = {0.04, 0.06};
+      sizes.size = {0.05, 0.08};
       sizes.velocity = 1e9;  // the fold's jump in velocity is the chain's, but chains at an end leave some of it
       int steps = 0;
       for (; steps < 2000 && sheet.cloth.n_eol() > 0; ++steps) {

@@ -84,20 +84,20 @@ Mesh::Split Editor::split_face(int f, const Vec3& b) {
 std::array<int, 2> Editor::flip(int h) {
   const int g = mesh().twin(h);
   const std::array<int, 2> faces{Mesh::face_of(h), Mesh::face_of(g)};
-  const std::array<int, 4> corners{mesh().from(h), mesh().opposite(h), mesh().to(h), mesh().opposite(g)};
+  std::vector<int> corners{mesh().from(h), mesh().opposite(h), mesh().to(h), mesh().opposite(g)};
   const Vec3 before = momentum(cloth_, faces);
   const std::array<int, 2> done = cloth_.mesh.flip(h);
-  repay(before - momentum(cloth_, done), corners);
+  repay(before - momentum(cloth_, done), std::move(corners));
   report_.changed = true;
   ++report_.flips;
   return done;
 }
 
 Mesh::Collapse Editor::collapse(int vertex, int into) {
-  const std::vector<int> patch = mesh().neighbours(vertex);
+  std::vector<int> patch = mesh().neighbours(vertex);
   const Vec3 before = momentum(cloth_, faces_around(mesh(), vertex));
   const Mesh::Collapse done = cloth_.mesh.collapse_vertex(vertex, into);
-  repay(before - momentum(cloth_, done.faces), patch);
+  repay(before - momentum(cloth_, done.faces), std::move(patch));
   report_.changed = true;
   ++report_.collapses;
   return done;
@@ -112,7 +112,7 @@ void Editor::slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v) {
   cloth_.mesh.X[vertex] = X;
   cloth_.mesh.x[vertex] = x;
   cloth_.v[vertex] = v;
-  repay(before - momentum(cloth_, faces), patch);
+  repay(before - momentum(cloth_, faces), std::move(patch));
   report_.changed = true;
 }
 
@@ -153,16 +153,24 @@ void Editor::refuse_once(RefusalReason reason, const Vec2& X) {
   if (std::none_of(report_.refusals.begin(), report_.refusals.end(), is_same)) refuse(reason, Mesh::none, X);
 }
 
-// Lumped masses give the exact change of linear momentum, since the patch's vertices keep all their faces.
-void Editor::repay(const Vec3& debt, std::span<const int> vertices) {
-  const auto is_free = [&](int v) { return !cloth_.is_eol(v) && cloth_.pins[v] == 0; };
+// Lumped masses give the exact change of linear momentum, since the patch's vertices keep all their faces. Where none
+// of them is free, as between two chains, their neighbours pay.
+void Editor::repay(const Vec3& debt, std::vector<int> vertices) {
+  const auto is_held = [&](int v) { return cloth_.is_eol(v) || cloth_.pins[v] != 0; };
+  if (std::all_of(vertices.begin(), vertices.end(), is_held)) {
+    std::vector<int> around;
+    for (const int v : vertices)
+      for (const int u : mesh().neighbours(v)) around.push_back(u);
+    std::sort(around.begin(), around.end());
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+    vertices = std::move(around);
+  }
+  vertices.erase(std::remove_if(vertices.begin(), vertices.end(), is_held), vertices.end());
   double area = 0;
-  for (const int v : vertices)
-    if (is_free(v)) area += lumped_area(mesh(), v);
+  for (const int v : vertices) area += lumped_area(mesh(), v);
   if (!(area > 0)) return;
   const Vec3 velocity = debt / area;
-  for (const int v : vertices)
-    if (is_free(v)) cloth_.v[v] += velocity;
+  for (const int v : vertices) cloth_.v[v] += velocity;
 }
 
 RemeshResult Editor::finish() && {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 #include <vector>
 
 #include "crease/geometry/cloth.hpp"
@@ -49,7 +48,7 @@ class Editor {
 
  private:
   void add_vertex(const Vec3& v, const Vec2& V, const FeatureId& feature, std::uint64_t pins);
-  void repay(const Vec3& debt, std::span<const int> vertices);
+  void repay(const Vec3& debt, std::vector<int> vertices);
 
   Cloth cloth_;
   RemeshReport report_;

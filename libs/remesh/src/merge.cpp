@@ -40,7 +40,7 @@ struct Permission {
   double turn;      // of a face normal [rad]
   double shift;     // of the removed vertex [m]
   double dihedral;  // across a flipped edge [rad]
-  bool forced;
+  double angle;     // that a triangle may have, or it had less before [rad]
 };
 
 class Merger {
@@ -78,10 +78,9 @@ class Merger {
 };
 
 Permission Merger::permission(double room) const {
-  const double snap = c_.options.snap;
-  if (room < c_.merge(forced_share)) return {1.2, 4 * snap, 1.2, true};
-  if (room < c_.merge(thin_share)) return {0.7, 2 * snap, 0.7, false};
-  return {0.35, snap, flip_dihedral, false};
+  if (room < c_.merge(forced_share)) return {1.2, c_.merge(0.5), 1.2, 0};
+  if (room < c_.merge(thin_share)) return {0.9, c_.merge(0.3), 0.7, 0.5 * least_angle};
+  return {0.35, c_.merge(0.1), flip_dihedral, least_angle};
 }
 
 // Height of corner v over the opposite side of a face.
@@ -164,7 +163,7 @@ bool Merger::absorb_neighbours(int v) {
 double Merger::altitude_after(int r, const Target& target, const Permission& allowed) const {
   const Ring ring = ring_after(cloth(), r, target);
   if (!ring.sound || ring.turn > allowed.turn || ring.shift > allowed.shift) return 0;
-  if (!allowed.forced && ring.angle < std::min(least_angle, ring.angle_before)) return 0;
+  if (ring.angle < std::min(allowed.angle, ring.angle_before)) return 0;
   return ring.altitude >= std::min(c_.merge(thin_share), ring.altitude_before) ? ring.altitude : 0;
 }
 
@@ -218,7 +217,7 @@ bool Merger::open_faces(int v) {
     const Permission allowed = permission(room);
     if (!check.sound || check.dihedral > allowed.dihedral || check.altitude < flip_gain * check.altitude_before)
       continue;
-    if (!allowed.forced) {
+    if (room >= c_.merge(forced_share)) {
       // What adapt() would flip back is left alone.
       const auto& X = mesh().X;
       const int other = mesh().opposite(mesh().twin(longest));
