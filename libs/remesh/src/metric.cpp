@@ -96,7 +96,7 @@ std::optional<Disk> smallest_enclosing(DiskSpan disks) {
 
 Spectrum spectrum(const Mat2& M) {
   const double mean = 0.5 * M.trace(), d = 0.5 * (M(0, 0) - M(1, 1)), o = 0.5 * (M(0, 1) + M(1, 0));
-  const double r = std::hypot(d, o);
+  const double r = std::sqrt(d * d + o * o);
   Vec2 axis(1, 0);
   if (r > 0) axis = (d >= 0 ? Vec2(d + r, o) : Vec2(o, r - d)).normalized();
   return {mean + r, mean - r, axis};
@@ -123,15 +123,13 @@ Mat2 tensor_max(std::span<const Mat2> tensors) {
 }
 
 double opposite_angle_sine(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, const Mat2& M) {
+  const double cosine_b = (a - b).dot(M * (c - b)), cosine_d = (a - d).dot(M * (c - d));  // times the two lengths
+  if (cosine_b >= 0 && cosine_d >= 0)
+    return 1;  // neither angle is obtuse: below 180 degrees, which is all that is asked
   const double stretch = std::sqrt(std::max(0.0, M.determinant()));
-  const auto corner = [&](const Vec2& at) {
-    const Vec2 p = a - at, q = c - at;
-    return Vec2(p.dot(M * q), stretch * std::abs(cross2(p, q)));  // |p||q| (cos, sin) in the metric
-  };
-  const Vec2 at_b = corner(b), at_d = corner(d);
-  const double scale = at_b.norm() * at_d.norm();
-  if (!(scale > 0)) return 0;
-  return (at_b.y() * at_d.x() + at_b.x() * at_d.y()) / scale;
+  const double sine_b = stretch * std::abs(cross2(a - b, c - b)), sine_d = stretch * std::abs(cross2(a - d, c - d));
+  const double scale2 = (cosine_b * cosine_b + sine_b * sine_b) * (cosine_d * cosine_d + sine_d * sine_d);
+  return scale2 > 0 ? (sine_b * cosine_d + cosine_b * sine_d) / std::sqrt(scale2) : 0;
 }
 
 }  // namespace crease

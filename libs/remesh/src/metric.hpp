@@ -44,7 +44,8 @@ inline double metric_length(const Vec2& e, const Mat2& Ma, const Mat2& Mb) {
 }
 
 /// Sine of the sum of the two angles that face the edge ac in the quadrilateral abcd (b right, d left of a -> c or the
-/// other way), measured in M. Negative: the edge is not Delaunay, and bd is the better diagonal.  [BOSSEN-HECKBERT96]
+/// other way), measured in M. Negative: the edge is not Delaunay, and bd is the better diagonal. Positive values are
+/// exact only where an angle is obtuse.                                                         [BOSSEN-HECKBERT96]
 double opposite_angle_sine(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, const Mat2& M);
 
 }  // namespace crease

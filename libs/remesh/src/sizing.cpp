@@ -66,18 +66,28 @@ Mat32 gradient(const std::array<Vec3, 3>& nodal, const Mat32& g) {
   return nodal[0] * g.row(0) + nodal[1] * g.row(1) + nodal[2] * g.row(2);
 }
 
+// Signed world dihedral of every edge, at its canonical half-edge: 0 at borders and chains.
+std::vector<double> dihedrals(const Mesh& mesh, const std::vector<Vec3>& face_normals) {
+  std::vector<double> angles(static_cast<std::size_t>(3 * mesh.face_slots()), 0.0);
+  for (int h = 0; h < 3 * mesh.face_slots(); ++h) {
+    const int g = mesh.twin(h);
+    if (g <= h || mesh.tag(h) != 0 || !mesh.face_live(Mesh::face_of(h))) continue;
+    const Vec3 &n0 = face_normals[Mesh::face_of(h)], &n1 = face_normals[Mesh::face_of(g)];
+    const Vec3 e = (mesh.x[mesh.to(h)] - mesh.x[mesh.from(h)]).normalized();
+    angles[h] = angles[g] = std::atan2(e.dot(n0.cross(n1)), n0.dot(n1));
+  }
+  return angles;
+}
+
 // S^T S of the shape operator from the dihedral angles of the face's edges; it sees sawtooth folds, which average out
 // of nodal normals.
-Mat2 dihedral_curvature(const Mesh& mesh, int face, const std::vector<Vec3>& face_normals, double area) {
+Mat2 dihedral_curvature(const Mesh& mesh, int face, const std::vector<double>& angles, double area) {
   Mat2 S = Mat2::Zero();
   for (int h = 3 * face; h < 3 * face + 3; ++h) {
-    if (mesh.is_border(h) || mesh.tag(h) != 0) continue;
-    const Vec3 e = mesh.x[mesh.to(h)] - mesh.x[mesh.from(h)];
-    const Vec3 &n0 = face_normals[face], &n1 = face_normals[Mesh::face_of(mesh.twin(h))];
-    const double theta = std::atan2(e.normalized().dot(n0.cross(n1)), n0.dot(n1));
+    if (angles[h] == 0) continue;
     const Vec2 E = mesh.X[mesh.to(h)] - mesh.X[mesh.from(h)];
     const Vec2 t(E.y(), -E.x());  // length |E|, so theta/2 |E| t t^T with unit t is theta/2 t t^T / |E|
-    S -= 0.5 * theta / E.norm() * t * t.transpose();
+    S -= 0.5 * angles[h] / E.norm() * t * t.transpose();
   }
   S /= area;
   return S * S;
@@ -87,8 +97,8 @@ Mat2 dihedral_curvature(const Mesh& mesh, int face, const std::vector<Vec3>& fac
 Mat32 without_spin(const Mat32& G, const Mat32& F) {
   const Mat3 A = F.squaredNorm() * Mat3::Identity() - F * F.transpose();
   const Vec3 b = F.col(0).cross(G.col(0)) + F.col(1).cross(G.col(1));
-  const double determinant = A.determinant();
-  if (!(determinant > 1e-12 * std::pow(F.squaredNorm(), 3))) return G;  // crumpled to a line: no rotation to speak of
+  const double size2 = F.squaredNorm();
+  if (!(A.determinant() > 1e-12 * size2 * size2 * size2)) return G;  // crumpled to a line: no rotation to speak of
   const Vec3 spin = A.inverse() * b;
   Mat32 result = G;
   result.col(0) -= spin.cross(F.col(0));
@@ -116,7 +126,7 @@ Mat2 limited(const Mat2& M, const AdaptOptions& options) {
   return with_eigenvalues(s, large, small);
 }
 
-Mat2 face_tensor(const Cloth& cloth, int face, const std::vector<Vec3>& face_normals, const std::vector<Vec3>& normals,
+Mat2 face_tensor(const Cloth& cloth, int face, const std::vector<double>& angles, const std::vector<Vec3>& normals,
                  const AdaptOptions& options) {
   const Mesh& mesh = cloth.mesh;
   const Mat32 g = barycentric_gradients(material_corners(mesh, face));
@@ -125,7 +135,7 @@ Mat2 face_tensor(const Cloth& cloth, int face, const std::vector<Vec3>& face_nor
   const Mat2 NtN = N.transpose() * N;
   const Mat32 W = without_spin(gradient(corner_velocities(cloth, face), g), F);
   const double angle2 = options.angle * options.angle, speed2 = options.velocity * options.velocity;
-  const std::array<Mat2, 4> terms{dihedral_curvature(mesh, face, face_normals, mesh.material_area(face)) / angle2,
+  const std::array<Mat2, 4> terms{dihedral_curvature(mesh, face, angles, mesh.material_area(face)) / angle2,
                                   NtN / angle2, W.transpose() * W / speed2,
                                   compression_tensor(F, NtN, options.compression)};
   return limited(tensor_max(terms), options);
@@ -149,33 +159,45 @@ std::vector<Mat2> vertex_means(const Mesh& mesh, const std::vector<Mat2>& faces)
   return logs;
 }
 
+// A tensor with its eigenvalues, which say at once whether one can demand anything of another.
+struct Size {
+  Mat2 M;
+  double large, small;
+  explicit Size(const Mat2& tensor) : M(tensor) {
+    const Spectrum s = spectrum(tensor);
+    large = s.large;
+    small = s.small;
+  }
+};
+
 // Raises the tensor at `to` to what `from`, an edge e away, allows it to fall to. Returns whether it did.
-bool spread(const Mat2& from, Mat2& to, const Vec2& e) {
-  const double growth = 1 + std::sqrt(e.dot(from * e)) * std::log(gradation);
-  const Mat2 wanted = from / (growth * growth);
-  const Spectrum w = spectrum(wanted), t = spectrum(to);
-  if (w.large <= t.small * (1 + 1e-9)) return false;
-  const std::array<Mat2, 2> both{wanted, to};
+bool spread(const Size& from, Size& to, const Vec2& e) {
+  if (from.large <= to.small) return false;
+  const double growth = 1 + std::sqrt(e.dot(from.M * e)) * std::log(gradation);
+  if (from.large <= to.small * growth * growth) return false;
+  const std::array<Mat2, 2> both{from.M / (growth * growth), to.M};
   const Mat2 raised = tensor_max(both);
   // Changes this small decide no edge; they only keep the sweeps going.
-  if (raised.trace() <= to.trace() * (1 + 1e-6)) return false;
-  to = raised;
+  if (raised.trace() <= to.M.trace() * (1 + 1e-6)) return false;
+  to = Size(raised);
   return true;
 }
 
 void limit_gradation(const Mesh& mesh, std::vector<Mat2>& tensors, const AdaptOptions& options) {
   if (options.size[1] <= options.size[0]) return;
+  std::vector<Size> sizes(tensors.begin(), tensors.end());
   const std::vector<int> edges = mesh.edges();
   for (int sweep = 0; sweep < max_gradation_sweeps; ++sweep) {
     bool changed = false;
     for (const int h : edges) {
       const int a = mesh.from(h), b = mesh.to(h);
       const Vec2 e = mesh.X[b] - mesh.X[a];
-      changed |= spread(tensors[a], tensors[b], e);
-      changed |= spread(tensors[b], tensors[a], e);
+      changed |= spread(sizes[a], sizes[b], e);
+      changed |= spread(sizes[b], sizes[a], e);
     }
-    if (!changed) return;
+    if (!changed) break;
   }
+  for (std::size_t v = 0; v < tensors.size(); ++v) tensors[v] = sizes[v].M;
 }
 
 }  // namespace
@@ -186,10 +208,11 @@ std::vector<Mat2> sizing_field(const Cloth& cloth, const AdaptOptions& options) 
   std::vector<Vec3> face_normals(static_cast<std::size_t>(mesh.face_slots()), Vec3::Zero());
   for (int f = 0; f < mesh.face_slots(); ++f)
     if (mesh.face_live(f)) face_normals[f] = face_normal(mesh, f);
+  const std::vector<double> angles = dihedrals(mesh, face_normals);
   const std::vector<Vec3> normals = corner_normals(mesh);
   std::vector<Mat2> faces(face_normals.size(), Mat2::Identity());
   for (int f = 0; f < mesh.face_slots(); ++f)
-    if (mesh.face_live(f)) faces[f] = face_tensor(cloth, f, face_normals, normals, options);
+    if (mesh.face_live(f)) faces[f] = face_tensor(cloth, f, angles, normals, options);
   std::vector<Mat2> tensors = vertex_means(mesh, faces);
   limit_gradation(mesh, tensors, options);
   return tensors;
