@@ -79,6 +79,14 @@ TEST(Strip, IsTheSameInATurnedScene) {
   }
 }
 
+TEST(Strip, IsTheSameOnAMovingTable) {
+  StripSetup moving{Strip{}};
+  moving.drift = {6, -8, 3};  // over 10 m/s; a step of 2 ms carries everything by a third of an element
+  const StripRun a = run_strip({Strip{}}, 2e-3, 0.36), b = run_strip(moving, 2e-3, 0.36);
+  ASSERT_EQ(a.samples.size(), b.samples.size());
+  for (std::size_t i = 0; i < a.samples.size(); ++i) EXPECT_NEAR(a.samples[i].overhang, b.samples[i].overhang, 1e-9);
+}
+
 TEST(Strip, FindsTheLineByCollisionAndRemeshing) {
   const Strip strip;
   const double h = 2e-3;

@@ -44,6 +44,7 @@ struct StripSetup {
   GridPattern pattern = GridPattern::Alternating;
   bool mark_fold = true;
   Mat3 turn = Mat3::Identity();
+  Vec3 drift = Vec3::Zero();  // velocity that table and strip share [m/s]
 };
 
 /// One step, in halves of halves where the material step is too long; the mean edge reaction over it.
@@ -67,6 +68,8 @@ inline StripRun run_strip(const StripSetup& setup, double h, double end) {
   scene.obstacles.push_back(strip_table());
   Cloth cloth = make_strip(setup.strip, setup.cells, setup.pattern, setup.mark_fold);
   rotate(cloth, scene.obstacles[0], setup.turn);
+  scene.obstacles[0].motion = {{.time = 0, .velocity = setup.drift}};
+  for (Vec3& v : cloth.v) v += setup.drift;
   const ClothSpec spec = strip_spec(setup.strip, setup.strip.L / setup.cells[0]);
   SheetSettings settings;
   settings.material = spec.material;

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "crease/stepper/step.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "crease/geometry/grid.hpp"
+
+namespace crease {
+namespace {
+
+PinSpec pulled_pin() {
+  PinSpec pin;
+  pin.motion = {{.time = 0.35, .velocity = {0.1, 0, 0}}};
+  return pin;
+}
+
+double travelled(const PinSpec& pin, double from, double to, int steps) {
+  const double h = (to - from) / steps;
+  double x = 0;
+  for (int n = 0; n < steps; ++n) x += h * pin_state(pin, 0, from + n * h, h).velocity.x();
+  return x;
+}
+
+TEST(PinMotion, CoversTheScriptedDistanceAtAnyStep) {
+  PinSpec pin = pulled_pin();
+  for (const int steps : {7, 100, 801}) EXPECT_NEAR(travelled(pin, 0, 1, steps), 0.1 * 0.65, 1e-15);
+  pin.ramp = 0.1;  // the blend is symmetric: it costs half its length
+  for (const int steps : {7, 100, 801}) EXPECT_NEAR(travelled(pin, 0, 1, steps), 0.1 * (0.65 - 0.05), 1e-15);
+}
+
+TEST(PinMotion, RampHasNoJump) {
+  PinSpec pin = pulled_pin();
+  pin.ramp = 0.1;
+  double last = 0;
+  for (double t = 0.3; t < 0.5; t += 1e-3) {
+    const double v = pin_state(pin, 0, t, 1e-3).velocity.x();
+    // The quintic's steepest slope is 15/8 of the mean one.
+    EXPECT_LE(std::abs(v - last), 0.1 * 15 / 8 * 1e-3 / 0.1 + 1e-12);
+    last = v;
+  }
+  EXPECT_NEAR(last, 0.1, 1e-13);  // a difference of two distances, over a millisecond
+}
+
+TEST(PinMotion, HoldsFromTheStartAndLetsGo) {
+  PinSpec pin;
+  pin.motion = {{.time = 0, .velocity = {1, 0, 0}}};
+  pin.ramp = 0.5;
+  pin.release = 2.0;
+  EXPECT_NEAR(pin_state(pin, 0, 0, 0.01).velocity.x(), 1, 1e-15);
+  EXPECT_FALSE(pin_state(pin, 0, 1.995, 0.005).released);
+  EXPECT_TRUE(pin_state(pin, 0, 2.0, 0.005).released);
+}
+
+SheetStepper free_stepper(const Vec3& gravity) {
+  Scene scene;
+  ClothSpec spec;
+  SheetSettings settings;
+  settings.dynamics.gravity = gravity;
+  return {settings, make_stages(scene, spec)};
+}
+
+TEST(Step, FallsFreelyAsTheSchemeDoes) {
+  const Vec3 g{0.3, -0.2, -9.81}, v0{1, 2, 3};
+  for (const GridPattern pattern : {GridPattern::Cross, GridPattern::Irregular}) {
+    GridOptions grid;
+    grid.pattern = pattern;
+    Cloth cloth = make_cloth(make_grid(grid));
+    const auto start = cloth.mesh.x;
+    for (Vec3& v : cloth.v) v = v0;
+    SheetStepper stepper = free_stepper(g);
+    const double h = 5e-3;
+    const int steps = 40;
+    for (int n = 0; n < steps; ++n) {
+      const StepResult result = stepper.step(cloth, {}, n * h, h);
+      ASSERT_EQ(result.report.status, StepStatus::Done);
+      cloth = result.cloth;
+    }
+    const double t = steps * h;  // x_n = x_0 + v_0 t + g t (t + h)/2: implicit Euler, exactly
+    for (std::size_t i = 0; i < start.size(); ++i)
+      EXPECT_LE((cloth.mesh.x[i] - start[i] - v0 * t - g * t * (t + h) / 2).norm(), 1e-12);
+  }
+}
+
+TEST(Step, LeavesTheGivenClothAloneAndRefusesWhatIsNotFinite) {
+  Cloth cloth = make_cloth(make_grid({}));
+  const auto before = cloth.mesh.x;
+  SheetStepper stepper = free_stepper({0, 0, -9.81});
+  stepper.step(cloth, {}, 0, 0.01);
+  EXPECT_EQ(cloth.mesh.x, before);
+  cloth.mesh.x[3].z() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(stepper.step(cloth, {}, 0, 0.01), std::invalid_argument);
+  EXPECT_THROW(stepper.step(make_cloth(make_grid({})), {}, 0, 0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace crease
