@@ -8,6 +8,7 @@
 #include "crease/base/require.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "metric.hpp"
+#include "momentum.hpp"
 #include "transfer.hpp"
 
 namespace crease {
@@ -46,7 +47,7 @@ std::vector<int> faces_around(const Mesh& mesh, int vertex) {
 }  // namespace
 
 Editor::Editor(const Cloth& cloth)
-    : cloth_(cloth), n_given_(cloth.mesh.vertex_slots()), momentum_given_(total_momentum(cloth)) {}
+    : cloth_(cloth), n_given_(cloth.mesh.vertex_slots()), momentum_given_(total_linear_momentum(cloth)) {}
 
 void Editor::add_vertex(const Vec3& v, const Vec2& V, const FeatureId& feature, std::uint64_t pins) {
   cloth_.v.push_back(v);
@@ -56,6 +57,12 @@ void Editor::add_vertex(const Vec3& v, const Vec2& V, const FeatureId& feature, 
   CREASE_ASSERT(cloth_.v.size() == cloth_.mesh.X.size());
   report_.changed = true;
   ++report_.splits;
+}
+
+Vec3 Editor::mean_position(const std::vector<int>& vertices) const {
+  Vec3 sum = Vec3::Zero();
+  for (const int v : vertices) sum += mesh().x[v];
+  return sum / static_cast<double>(vertices.size());
 }
 
 Mesh::Split Editor::split(int h, double t) {
@@ -85,9 +92,10 @@ std::array<int, 2> Editor::flip(int h) {
   const int g = mesh().twin(h);
   const std::array<int, 2> faces{Mesh::face_of(h), Mesh::face_of(g)};
   std::vector<int> corners{mesh().from(h), mesh().opposite(h), mesh().to(h), mesh().opposite(g)};
-  const Vec3 before = momentum(cloth_, faces);
+  const Vec3 about = mean_position(corners);
+  const Momentum before = momentum(cloth_, faces, about);
   const std::array<int, 2> done = cloth_.mesh.flip(h);
-  repay(before - momentum(cloth_, done), std::move(corners));
+  repay(cloth_, before - momentum(cloth_, done, about), about, std::move(corners));
   report_.changed = true;
   ++report_.flips;
   return done;
@@ -95,35 +103,43 @@ std::array<int, 2> Editor::flip(int h) {
 
 Mesh::Collapse Editor::collapse(int vertex, int into) {
   std::vector<int> patch = mesh().neighbours(vertex);
-  const Vec3 before = momentum(cloth_, faces_around(mesh(), vertex));
+  const Vec3 about = mean_position(patch);
+  const Momentum before = momentum(cloth_, faces_around(mesh(), vertex), about);
   const Mesh::Collapse done = cloth_.mesh.collapse_vertex(vertex, into);
-  repay(before - momentum(cloth_, done.faces), std::move(patch));
+  repay(cloth_, before - momentum(cloth_, done.faces, about), about, std::move(patch));
   report_.changed = true;
   ++report_.collapses;
   return done;
 }
 
-void Editor::slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v) {
-  CREASE_ASSERT(!cloth_.is_eol(vertex));
+template <typename Change>
+void Editor::change_star(int vertex, Change change) {
   std::vector<int> patch = mesh().neighbours(vertex);
-  patch.push_back(vertex);
   const std::vector<int> faces = faces_around(mesh(), vertex);
-  const Vec3 before = momentum(cloth_, faces);
-  cloth_.mesh.X[vertex] = X;
-  cloth_.mesh.x[vertex] = x;
-  cloth_.v[vertex] = v;
-  repay(before - momentum(cloth_, faces), std::move(patch));
+  const Vec3 about = mean_position(patch);
+  const Momentum before = momentum(cloth_, faces, about);
+  change();
+  patch.push_back(vertex);
+  repay(cloth_, before - momentum(cloth_, faces, about), about, std::move(patch));
   report_.changed = true;
 }
 
+void Editor::slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v) {
+  CREASE_ASSERT(!cloth_.is_eol(vertex));
+  change_star(vertex, [&] {
+    cloth_.mesh.X[vertex] = X;
+    cloth_.mesh.x[vertex] = x;
+    cloth_.v[vertex] = v;
+  });
+}
+
+// The move to the feature changes F in the faces, and with it what other EOL vertices there carry.
 void Editor::ride(int vertex, const FeatureId& feature, const Vec3& point) {
   CREASE_ASSERT(!cloth_.is_eol(vertex));
-  const std::vector<int> faces = faces_around(mesh(), vertex);
-  const Vec3 before = momentum(cloth_, faces);
-  cloth_.mesh.x[vertex] = point;
-  repay(before - momentum(cloth_, faces), mesh().neighbours(vertex));  // F of faces with other EOL vertices changed
-  cloth_.feature[vertex] = feature;
-  report_.changed = true;
+  change_star(vertex, [&] {
+    cloth_.feature[vertex] = feature;
+    cloth_.mesh.x[vertex] = point;
+  });
   ++report_.inserted;
 }
 
@@ -153,30 +169,10 @@ void Editor::refuse_once(RefusalReason reason, const Vec2& X) {
   if (std::none_of(report_.refusals.begin(), report_.refusals.end(), is_same)) refuse(reason, Mesh::none, X);
 }
 
-// Lumped masses give the exact change of linear momentum, since the patch's vertices keep all their faces. Where none
-// of them is free, as between two chains, their neighbours pay.
-void Editor::repay(const Vec3& debt, std::vector<int> vertices) {
-  const auto is_held = [&](int v) { return cloth_.is_eol(v) || cloth_.pins[v] != 0; };
-  if (std::all_of(vertices.begin(), vertices.end(), is_held)) {
-    std::vector<int> around;
-    for (const int v : vertices)
-      for (const int u : mesh().neighbours(v)) around.push_back(u);
-    std::sort(around.begin(), around.end());
-    around.erase(std::unique(around.begin(), around.end()), around.end());
-    vertices = std::move(around);
-  }
-  vertices.erase(std::remove_if(vertices.begin(), vertices.end(), is_held), vertices.end());
-  double area = 0;
-  for (const int v : vertices) area += lumped_area(mesh(), v);
-  if (!(area > 0)) return;
-  const Vec3 velocity = debt / area;
-  for (const int v : vertices) cloth_.v[v] += velocity;
-}
-
 RemeshResult Editor::finish() && {
   report_.smallest_angle = smallest_material_angle(mesh());
   if (!report_.changed) return {std::move(cloth_), std::move(report_)};
-  report_.momentum_change = total_momentum(cloth_) - momentum_given_;
+  report_.momentum_change = total_linear_momentum(cloth_) - momentum_given_;
   const std::vector<int> renumbering = cloth_.mesh.compact().vertex;
   const int n = cloth_.mesh.n_vertices();
   drop_removed(cloth_.v, renumbering, n);

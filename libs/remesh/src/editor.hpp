@@ -10,10 +10,10 @@
 namespace crease {
 
 /// A cloth while it is being remeshed: the mesh's operations, each of which carries velocities, features and pins along
-/// and keeps the linear momentum, and the account of what was done. Vertex ids stay valid until finish().
+/// and keeps momentum, and the account of what was done. Vertex ids stay valid until finish().
 ///
-/// Momentum. A split keeps it exactly; so does release. Flips, collapses and slides change the space of velocity
-/// fields: what the patch lost is given back as one common velocity to its free vertices (Lagrangian, not pinned).
+/// Momentum. A split and a release keep the linear one exactly. Flips, collapses and moves change the space of velocity
+/// fields: what the patch lost, linear and angular, is given back as one rigid motion of its free vertices.
 class Editor {
  public:
   /// @pre cloth.mesh.is_compact()
@@ -48,7 +48,10 @@ class Editor {
 
  private:
   void add_vertex(const Vec3& v, const Vec2& V, const FeatureId& feature, std::uint64_t pins);
-  void repay(const Vec3& debt, std::vector<int> vertices);
+  /// Runs `change`, which moves one vertex, and pays for it.
+  template <typename Change>
+  void change_star(int vertex, Change change);
+  Vec3 mean_position(const std::vector<int>& vertices) const;
 
   Cloth cloth_;
   RemeshReport report_;

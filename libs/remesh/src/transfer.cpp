@@ -31,24 +31,6 @@ std::array<Vec3, 3> corner_velocities(const Cloth& cloth, int face) {
   return w;
 }
 
-Vec3 face_momentum(const Cloth& cloth, int face) {
-  const std::array<Vec3, 3> w = corner_velocities(cloth, face);
-  return cloth.mesh.material_area(face) / 3 * (w[0] + w[1] + w[2]);
-}
-
-Vec3 momentum(const Cloth& cloth, std::span<const int> faces) {
-  Vec3 sum = Vec3::Zero();
-  for (const int f : faces) sum += face_momentum(cloth, f);
-  return sum;
-}
-
-Vec3 total_momentum(const Cloth& cloth) {
-  Vec3 sum = Vec3::Zero();
-  for (int f = 0; f < cloth.mesh.face_slots(); ++f)
-    if (cloth.mesh.face_live(f)) sum += face_momentum(cloth, f);
-  return sum;
-}
-
 Vec3 edge_velocity(const Cloth& cloth, int h, double t) {
   const Mesh& mesh = cloth.mesh;
   Vec3 sum = Vec3::Zero();
@@ -63,12 +45,6 @@ Vec3 edge_velocity(const Cloth& cloth, int h, double t) {
     area += weight;
   }
   return sum / area;
-}
-
-double lumped_area(const Mesh& mesh, int vertex) {
-  double area = 0;
-  for (const int h : mesh.outgoing(vertex)) area += mesh.material_area(Mesh::face_of(h));
-  return area / 3;
 }
 
 // One row leaves one direction t free, where the minimum of |w + s F t|^2 is at s = -(F t).w / |F t|^2; no row leaves
