@@ -530,9 +530,9 @@ TEST_F(Pins, TwoThatPullOneVertexApartAreRefused) {
 
 TEST_F(Pins, CornersOfAMeshFileAreThoseOfItsBoundingBox) {
   // A kite: no vertex stands in a corner of the box, so the nearest one is held.
-  folder_.write(
-      "kite.obj",
-      "v 0 0 0\nv 1.5 -1 0\nv 2.2 0.1 0\nv 1.6 1 0\nvt 0 0\nvt 1.5 -1\nvt 2.2 0.1\nvt 1.6 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n");
+  folder_.write("kite.obj",
+                "v 0 0 0\nv 1.5 -1 0\nv 2.2 0.1 0\nv 1.6 1 0\nvt 0 0\nvt 1.5 -1\nvt 2.2 0.1\nvt 1.6 1\nf 1/1 2/2 "
+                "3/3\nf 1/1 3/3 4/4\n");
   const std::string text = with(smallest_scene, "{\"grid\": {}}", "{\"mesh\": \"kite.obj\"}");
   const auto held_by = [&](const std::string& corner) {
     const Cloth cloth = load(text, {{"cloths.0.pins.0.where", R"({"corner": ")" + corner + "\"}"}}).cloths.at(0);

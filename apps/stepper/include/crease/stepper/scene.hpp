@@ -25,17 +25,17 @@ enum class ContactMethod { Eol };
 struct PinWhere {
   enum class Kind { Corner, Edge, Material, Vertices };
   Kind kind = Kind::Corner;
-  std::string name;            ///< "00".."11" or "u0".."v1"
+  std::string name;  ///< "00".."11" or "u0".."v1"
   Vec2 material = Vec2::Zero();
-  std::vector<int> vertices;   ///< 0-based
+  std::vector<int> vertices;  ///< 0-based
 };
 
 struct PinSpec {
   PinWhere where;
   std::array<bool, 3> axes{true, true, true};
-  std::vector<MotionKey> motion;   ///< angular velocity unused
-  double ramp = 0;                 ///< each change of velocity is smoothed over this time [s]
-  std::optional<double> release;   ///< [s]
+  std::vector<MotionKey> motion;  ///< angular velocity unused
+  double ramp = 0;                ///< each change of velocity is smoothed over this time [s]
+  std::optional<double> release;  ///< [s]
 };
 
 struct ClothSpec {

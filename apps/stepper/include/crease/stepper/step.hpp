@@ -28,15 +28,15 @@ struct StageTimes {
 /// What one step of one sheet did; the numbers of a row of steps.csv.
 struct StepReport {
   StepStatus status = StepStatus::Done;
-  std::string stage, message;          ///< where and why it failed
+  std::string stage, message;  ///< where and why it failed
   int contacts = 0, active_constraints = 0, qp_iterations = 0;
   int inserted = 0, released = 0, refusals = 0;
   int splits = 0, flips = 0, collapses = 0;
   double kkt_residual = 0;
   double kinetic_energy = 0, membrane_energy = 0, bending_energy = 0, gravitational_energy = 0;  ///< before the step
   Vec3 momentum = Vec3::Zero();
-  Vec3 edge_reaction = Vec3::Zero();   ///< force of all EOL vertices' contacts on the cloth [N]
-  Vec3 pin_reaction = Vec3::Zero();    ///< force of all pins on the cloth [N]
+  Vec3 edge_reaction = Vec3::Zero();  ///< force of all EOL vertices' contacts on the cloth [N]
+  Vec3 pin_reaction = Vec3::Zero();   ///< force of all pins on the cloth [N]
   StageTimes times;
 };
 
@@ -51,7 +51,7 @@ struct Stages {
 struct SheetSettings {
   Material material;
   DynamicsOptions dynamics;
-  double threshold = 1e-3;         ///< contact threshold [m]
+  double threshold = 1e-3;  ///< contact threshold [m]
   std::vector<PinSpec> pins;
 };
 

@@ -13,20 +13,20 @@
 namespace crease {
 
 enum class RowKind {
-  Pin,            ///< xdot . axis = scripted velocity
-  EolNormal,      ///< n_k . xdot >= n_k . v_obstacle (- gap/h) at an EOL vertex; `slot` = k
-  EolTangent,     ///< t . Xdot = 0, interior EOL vertex on an edge
-  EolBorder,      ///< b . Xdot = 0, EOL vertex on the cloth's border
-  EolHold,        ///< xdot held on a point or across a wire
-  Contact         ///< n . (sum w_i xdot_i) >= n . v_obstacle - gap/h, Lagrangian vertices
+  Pin,         ///< xdot . axis = scripted velocity
+  EolNormal,   ///< n_k . xdot >= n_k . v_obstacle (- gap/h) at an EOL vertex; `slot` = k
+  EolTangent,  ///< t . Xdot = 0, interior EOL vertex on an edge
+  EolBorder,   ///< b . Xdot = 0, EOL vertex on the cloth's border
+  EolHold,     ///< xdot held on a point or across a wire
+  Contact      ///< n . (sum w_i xdot_i) >= n . v_obstacle - gap/h, Lagrangian vertices
 };
 
 /// Where a row came from: enough to read its multiplier and to carry its activity to the next step.
 struct RowInfo {
   RowKind kind = RowKind::Contact;
-  int vertex = -1;       ///< the vertex; the lowest of those that take part
+  int vertex = -1;  ///< the vertex; the lowest of those that take part
   FeatureId feature;
-  int slot = 0;          ///< which normal / which axis
+  int slot = 0;  ///< which normal / which axis
   Vec3 normal = Vec3::Zero();
 };
 
@@ -41,24 +41,24 @@ struct ConstraintRows {
   struct Regularisation {
     int vertex;
     Vec3 direction;
-    double value;   ///< normal . v_obstacle [m/s]
-    double scale;   ///< dimensionless, times the mean diagonal of H at that vertex' xdot
+    double value;  ///< normal . v_obstacle [m/s]
+    double scale;  ///< dimensionless, times the mean diagonal of H at that vertex' xdot
   };
   std::vector<Regularisation> regularisation;
 };
 
 /// One pin, resolved to this instant.
 struct PinState {
-  int index = 0;                       ///< bit in Cloth::pins
+  int index = 0;  ///< bit in Cloth::pins
   std::array<bool, 3> axes{true, true, true};
-  Vec3 velocity = Vec3::Zero();        ///< mean velocity over the coming step [m/s]
+  Vec3 velocity = Vec3::Zero();  ///< mean velocity over the coming step [m/s]
   bool released = false;
 };
 
 struct ConstraintOptions {
-  double h = 0;                    ///< time step [s], > 0
-  double threshold = 1e-3;         ///< contact threshold [m]; a penetration is pushed out by at most half of it a step
-  double regularisation = 1e-6;    ///< see ConstraintRows::regularisation
+  double h = 0;                  ///< time step [s], > 0
+  double threshold = 1e-3;       ///< contact threshold [m]; a penetration is pushed out by at most half of it a step
+  double regularisation = 1e-6;  ///< see ConstraintRows::regularisation
 };
 
 /// Algorithm 2 of the paper with signs from the obstacle, border rule, Lagrangian contacts, pins, right-hand sides with

@@ -9,9 +9,9 @@ namespace crease {
 
 /// Closest points of two segments a0-a1 and b0-b1.
 struct SegmentPair {
-  double s, t;        ///< parameters in [0, 1] on a and on b
-  double distance;    ///< >= 0 [m]
-  bool parallel;      ///< directions within 1e-9 rad (then s, t are one valid choice of many)
+  double s, t;      ///< parameters in [0, 1] on a and on b
+  double distance;  ///< >= 0 [m]
+  bool parallel;    ///< directions within 1e-9 rad (then s, t are one valid choice of many)
 };
 SegmentPair closest_segments(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1);
 

@@ -24,16 +24,16 @@ struct FeatureId {
 
 /// A sharp point: the corner of a box, the tip of a nail.
 struct SharpCorner {
-  Vec3 position;               ///< local coordinates [m]
-  std::vector<Vec3> normals;   ///< unit outward normals of the faces that meet there (3 on a box, 1 on a nail)
+  Vec3 position;              ///< local coordinates [m]
+  std::vector<Vec3> normals;  ///< unit outward normals of the faces that meet there (3 on a box, 1 on a nail)
 };
 
 /// A sharp edge between two flat faces, or one segment of a wire.
 struct SharpEdge {
-  Vec3 a, b;                        ///< local end points [m]; the tangent runs from a to b
-  std::array<Vec3, 2> normals;      ///< unit outward normals of its two faces; unused on a wire
+  Vec3 a, b;                           ///< local end points [m]; the tangent runs from a to b
+  std::array<Vec3, 2> normals;         ///< unit outward normals of its two faces; unused on a wire
   std::array<int, 2> corners{-1, -1};  ///< indices of the corners at a and b, -1 = none
-  bool free_cone = false;           ///< true on a wire: any normal orthogonal to the tangent
+  bool free_cone = false;              ///< true on a wire: any normal orthogonal to the tangent
 };
 
 /// A shape in its own frame: a surface to stay outside of, and the sharp features on it.
@@ -44,9 +44,9 @@ struct SharpEdge {
 struct ObstacleShape {
   enum class Kind { Box, Point, Wire, Mesh };
   Kind kind = Kind::Box;
-  Vec3 half_size = Vec3::Zero();                     ///< Box only [m]
+  Vec3 half_size = Vec3::Zero();  ///< Box only [m]
   std::vector<Vec3> vertices;
-  std::vector<std::array<int, 3>> triangles;         ///< outward orientation
+  std::vector<std::array<int, 3>> triangles;  ///< outward orientation
   std::vector<SharpCorner> corners;
   std::vector<SharpEdge> edges;
 };
@@ -56,9 +56,9 @@ ObstacleShape make_box(const Vec3& size);
 
 /// Velocity that holds until the next entry.
 struct MotionKey {
-  double time = 0;                               ///< [s]
-  Vec3 velocity = Vec3::Zero();                  ///< [m/s]
-  Vec3 angular_velocity = Vec3::Zero();          ///< about the obstacle's own position, world axes [rad/s]
+  double time = 0;                       ///< [s]
+  Vec3 velocity = Vec3::Zero();          ///< [m/s]
+  Vec3 angular_velocity = Vec3::Zero();  ///< about the obstacle's own position, world axes [rad/s]
 };
 
 /// Position and velocity of a rigid obstacle at one time.
@@ -76,8 +76,8 @@ struct Pose {
 struct Obstacle {
   std::string name;
   ObstacleShape shape;
-  Pose start;                       ///< pose at time 0 (its velocities are ignored: see motion)
-  std::vector<MotionKey> motion;    ///< ascending times; empty = at rest
+  Pose start;                     ///< pose at time 0 (its velocities are ignored: see motion)
+  std::vector<MotionKey> motion;  ///< ascending times; empty = at rest
 };
 
 /// Exact pose at a time: piecewise constant twist about the moving position.
