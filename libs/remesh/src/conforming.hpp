@@ -78,8 +78,9 @@ void share_velocities(Conforming& c);
 /// Why no vertex may begin to ride on `feature` at the material point P, whose chain would run along `direction`.
 /// `border_edge`: the border half-edge on which P lies, or none.
 std::optional<RefusalReason> inadmissible(const Conforming& c, const Vec2& P, const Vec2& direction, int border_edge);
-/// Whether the surface point is off the feature and moving away from it.
-bool separates(const Conforming& c, const FeatureId& feature, const SurfacePoint& point);
+/// Whether the surface point is moving away from the feature, or along `normal` (the cloth's, turned away from the
+/// obstacle; zero if unknown), and not inside the obstacle.
+bool separates(const Conforming& c, const FeatureId& feature, const SurfacePoint& point, const Vec3& normal);
 /// Makes `vertex` ride on the feature after sliding it to `point`; false where it may not move there.
 /// @param along_border  the way there is a border edge
 bool adopt(Conforming& c, int vertex, const SurfacePoint& point, const FeatureId& feature, bool along_border);

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "conforming.hpp"
+#include "crease/geometry/triangle.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
 #include "transfer.hpp"
@@ -75,6 +76,7 @@ class Linker {
   bool has_link(int v, bool ahead) const;
   bool could_follow(int p, int q) const;
   bool lies_near(const Vec3& x) const;
+  Vec3 cloth_normal(int v) const;
   bool may_pass(int u) const;
   bool is_on_feature(int p, int q) const;
   bool make_link(int p, int q);
@@ -102,10 +104,23 @@ bool Linker::lies_near(const Vec3& x) const {
   return (x - nearest_on(feature_, c_.obstacles, x)).norm() <= walk_share * c_.options.snap;
 }
 
+// Turned away from the obstacle; zero on a wire, which has no side.
+Vec3 Linker::cloth_normal(int v) const {
+  const PosedObstacle& obstacle = c_.obstacles[feature_.obstacle];
+  const SharpEdge& edge = obstacle.shape->edges[feature_.index];
+  if (edge.free_cone) return Vec3::Zero();
+  Vec3 sum = Vec3::Zero();
+  for (const int h : mesh().outgoing(v))
+    sum += mesh().material_area(Mesh::face_of(h)) * face_normal(mesh(), Mesh::face_of(h));
+  const double side = sum.dot(obstacle.pose.rotation * (edge.normals[0] + edge.normals[1]));
+  return side == 0 ? Vec3::Zero() : Vec3(std::copysign(1.0, side) * sum.normalized());
+}
+
 // A vertex that has lifted off is a hole in the chain, not a link that is missing.
 bool Linker::may_pass(int u) const {
   if (lies_on(c_.cloth().feature[u], feature_, c_.obstacles)) return true;
-  return lies_near(mesh().x[u]) && !separates(c_, feature_, {mesh().X[u], mesh().x[u], c_.cloth().world_velocity(u)});
+  return lies_near(mesh().x[u]) &&
+         !separates(c_, feature_, {mesh().X[u], mesh().x[u], c_.cloth().world_velocity(u)}, cloth_normal(u));
 }
 
 // The walk through the mesh as it is, without changing it.
@@ -168,7 +183,9 @@ int Linker::step_over_edge(int p, int q, const Exit& exit) {
     return p;
   }
   const SurfacePoint point = on_edge_point(c_.cloth(), h, exit.t);
-  if (lies_near(point.x) && !separates(c_, feature_, point)) {
+  const Vec2 way = (mesh().X[q] - mesh().X[p]).normalized();
+  if (lies_near(point.x) && !separates(c_, feature_, point, cloth_normal(p)) &&
+      !inadmissible(c_, point.X, way, Mesh::none)) {
     const int m = insert_on_edge(c_, h, exit.t, feature_);
     if (m == Mesh::none) return Mesh::none;
     c_.editor.set_tag(mesh().find_edge(p, m), tag_);

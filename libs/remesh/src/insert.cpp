@@ -24,8 +24,12 @@ constexpr double slide_altitude_loss = 0.5;
 constexpr double least_gap_share = 0.02;
 // A motion that leaves a feature rises by at least this over the way it goes; less is round-off of a sliding one.
 constexpr double separating_sine = 1e-3;
-// ... and has got away from it by at least this share of `snap`; less is round-off of one that lies on it.
+// ... and at this speed [m/s]; less is what a solver leaves of a cloth at rest.
+constexpr double separating_speed = 1e-9;
+// ... and has got away by at least this share of `snap`, else the direction away from the feature is not known ...
 constexpr double separating_gap_share = 1e-6;
+// ... and is not deeper inside than this share: such a point has to come out to the feature first.
+constexpr double separating_depth_share = 0.1;
 
 bool may_ride(const Conforming& c, int v) {
   if (c.cloth().is_eol(v) || c.cloth().pins[v] != 0) return false;
@@ -108,7 +112,7 @@ void insert_crossing(Conforming& c, const Contact& contact) {
   for (const int v : {a, b})
     if (lies_on(c.cloth().feature[v], contact.feature, c.obstacles)) return;
   const SurfacePoint point = on_edge_point(c.cloth(), h, t);
-  if (separates(c, contact.feature, point)) return;
+  if (separates(c, contact.feature, point, contact.normal)) return;
   const Vec3 tangent = world_edge(contact.feature, c.obstacles).tangent;
   const Vec2 direction = pull_back(edge_gradient(c.mesh(), h), tangent);
   const int end = t < 0.5 ? a : b;
@@ -163,7 +167,7 @@ void insert_corner(Conforming& c, const Contact& contact) {
     point.x += b[k] * c.mesh().x[corners[k]];
     point.v += b[k] * w[k];
   }
-  if (separates(c, contact.feature, point)) return;
+  if (separates(c, contact.feature, point, contact.normal)) return;
   if (c.border.distance(P) < c.merge(insert_border_share)) {
     c.editor.refuse_once(RefusalReason::NearBorder, P);
     return;
@@ -207,14 +211,16 @@ std::optional<RefusalReason> inadmissible(const Conforming& c, const Vec2& P, co
 }
 
 // What has just lifted off would else be caught again at once, since it is still within the contact threshold.
-bool separates(const Conforming& c, const FeatureId& feature, const SurfacePoint& point) {
+bool separates(const Conforming& c, const FeatureId& feature, const SurfacePoint& point, const Vec3& normal) {
   const PosedObstacle& obstacle = c.obstacles[feature.obstacle];
+  const double snap = c.options.snap;
   const std::optional<double> outside = signed_distance(*obstacle.shape, obstacle.pose, point.x);
-  if (outside && *outside <= 0) return false;
+  if (outside && *outside < -separating_depth_share * snap) return false;
   const Vec3 away = point.x - nearest_on(feature, c.obstacles, point.x);
   const Vec3 motion = point.v - velocity_at(feature, c.obstacles, point.x);
-  if (away.norm() <= separating_gap_share * c.options.snap) return false;
-  return away.dot(motion) > separating_sine * away.norm() * motion.norm();
+  const double least = std::max(separating_sine * motion.norm(), separating_speed);
+  const bool has_direction = away.norm() > separating_gap_share * snap && (!outside || *outside > 0);
+  return (has_direction && away.dot(motion) > least * away.norm()) || normal.dot(motion) > least;
 }
 
 bool adopt(Conforming& c, int vertex, const SurfacePoint& point, const FeatureId& feature, bool along_border) {
