@@ -20,7 +20,8 @@ volatile std::sig_atomic_t stop_requested = 0;
 void stop_on_signals() {
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = 1; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  // Without SA_RESTART, a write under way would fail and the run with it.
+  action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
@@ -43,11 +44,8 @@ int run(const Arguments& arguments) {
   options.command_line = arguments.command_line;
 
   Progress progress(loaded.scene.name, arguments.quiet);
-  RunProgress last{};
   const RunResult result = run_scene(loaded, options, [&](const RunProgress& now) {
-    last = now;
-    last.duration = std::min(now.duration, arguments.until.value_or(now.duration));
-    progress.update(last);
+    progress.update(now);
     return stop_requested == 0;
   });
   progress.finish();
@@ -55,8 +53,8 @@ int run(const Arguments& arguments) {
     std::cerr << "crease: " << result.message << '\n';
     if (result.status == RunStatus::Interrupted) std::cerr << "crease: continue with --resume\n";
   } else if (!arguments.quiet) {
-    std::cerr << loaded.scene.name << ": done, " << last.step << " steps to " << last.time << " s in "
-              << clock_text(last.wall) << "; results in " << arguments.output << '\n';
+    std::cerr << loaded.scene.name << ": done, " << result.reached.step << " steps to " << result.reached.time
+              << " s in " << clock_text(result.reached.wall) << "; results in " << arguments.output << '\n';
   }
   return static_cast<int>(result.status);
 }

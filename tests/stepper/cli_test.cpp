@@ -73,6 +73,7 @@ TEST_F(Cli, UsageErrorsSayWhatWouldBeRight) {
   expect_usage_error("run -o x", "SCENE");
   expect_usage_error("run edge", "--output");
   expect_usage_error("run edge -o x --set threshold", "path=value");
+  expect_usage_error("run edge -o ''", "directory");
   expect_usage_error("run edge -o x --until nan", "time in seconds");
   expect_usage_error("run edge -o x --until -1", "time in seconds");
   expect_usage_error("run edge -o x --threads 0", "1 to 1024");
@@ -113,6 +114,8 @@ TEST_F(Cli, FilesThatCannotBeReadOrWrittenHaveTheirOwnStatus) {
   EXPECT_EQ(crease("check .").status, 3);
   const std::string full_disk = "'" CREASE_PROGRAM "' check edge >/dev/full 2>/dev/null";
   EXPECT_EQ(WEXITSTATUS(std::system(full_disk.c_str())), 3);
+  const std::string closed = "'" CREASE_PROGRAM "' check edge >&- 2>/dev/null";
+  EXPECT_EQ(WEXITSTATUS(std::system(closed.c_str())), 3);
 }
 
 TEST_F(Cli, ListNamesScenesThatCheckAccepts) {
@@ -150,6 +153,9 @@ TEST_F(Cli, RunWritesResultsAndReportsOnStandardErrorOnly) {
   EXPECT_NE(text("out/summary.json").find("run scene.json -o out"), std::string::npos) << "the command line";
 
   EXPECT_EQ(crease("run scene.json -o out").status, 2) << "the directory is not empty";
+  const Outcome resumed = crease("run scene.json -o out --resume");
+  EXPECT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_NE(resumed.err.find("short: done, 3 steps to 0.015 s"), std::string::npos) << resumed.err;
   const Outcome quiet = crease("run scene.json -o out --force --quiet");
   EXPECT_EQ(quiet.status, 0) << quiet.err;
   EXPECT_EQ(quiet.err, "");
@@ -165,6 +171,17 @@ TEST_F(Cli, ADirectoryThatCannotBeMadeIsFileTrouble) {
   folder_.write("scene.json", short_scene);
   folder_.write("file", "");
   EXPECT_EQ(crease("run scene.json -o file/out").status, 3);
+}
+
+// Closed, standard error lent its number to steps.csv, and progress was written into the table.
+TEST_F(Cli, AClosedStandardErrorIsNoResultFile) {
+  folder_.write("scene.json", with(short_scene, "0.015", "1000"));
+  const std::string command = "cd '" + folder_.path().string() +
+                              "' && { '" CREASE_PROGRAM
+                              "' run scene.json -o out 2>&- & } && while [ ! -s out/steps.csv ]; do sleep 0.1; done && "
+                              "readlink /proc/$!/fd/2 >fd.txt; kill $!; wait";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(text("fd.txt"), "/dev/null\n");
 }
 
 TEST_F(Cli, SignalEndsTheRunAfterAStepAndResumeFinishesIt) {

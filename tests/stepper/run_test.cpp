@@ -292,6 +292,72 @@ TEST(Run, TellsWhatTheSceneLeavesOut) {
     EXPECT_EQ(read_steps(folder.path() / "free")[column], (std::vector<double>{0, 0})) << column;
 }
 
+TEST(Run, KeepsASecondRunOutOfItsDirectory) {
+  const TestFolder folder;
+  const LoadedScene loaded = hanging_scene();
+  const fs::path whole = folder.path() / "whole", shared = folder.path() / "shared";
+  ASSERT_EQ(run_scene(loaded, {.directory = whole}).status, RunStatus::Done);
+  const RunResult first = run_scene(loaded, {.directory = shared}, [&](const RunProgress& progress) {
+    if (progress.step != 30) return true;
+    for (const bool resume : {true, false}) {
+      const RunResult second = run_scene(loaded, {.directory = shared, .force = !resume, .resume = resume});
+      EXPECT_EQ(second.status, RunStatus::Refused);
+      EXPECT_NE(second.message.find("another run"), std::string::npos) << second.message;
+    }
+    return true;
+  });
+  EXPECT_EQ(first.status, RunStatus::Done);
+  EXPECT_EQ(differences(repeatable_bytes(whole), repeatable_bytes(shared)), Names());
+}
+
+// `run out/scene.json -o out --force` once put the resolved scene over the one somebody had written there.
+TEST(Run, RefusesToReplaceTheFilesItsSceneIsReadFrom) {
+  const TestFolder folder;
+  const fs::path run = folder.path() / "run";
+  LoadedScene loaded = hanging_scene();
+  ASSERT_EQ(run_scene(loaded, {.directory = run, .until = 0.1}).status, RunStatus::Done);
+
+  loaded.file = run / "../run/scene.json";
+  EXPECT_EQ(run_scene(loaded, {.directory = run, .force = true}).status, RunStatus::Done) << "the same bytes";
+  const std::string by_hand = "// mine\n" + loaded.resolved_json;
+  std::ofstream(loaded.file) << by_hand;
+  for (const bool resume : {true, false}) {
+    const RunResult result = run_scene(loaded, {.directory = run, .force = !resume, .resume = resume});
+    EXPECT_EQ(result.status, RunStatus::Refused);
+    EXPECT_NE(result.message.find("scene.json"), std::string::npos) << result.message;
+    EXPECT_EQ(bytes_of(run / "scene.json"), by_hand);
+  }
+
+  loaded.file = folder.path() / "elsewhere.json";
+  const fs::path frame = run / "frames/000002.obj", other = run / "frames/start.obj";
+  fs::copy_file(frame, other);
+  loaded.scene.cloths[0].shape = frame;
+  EXPECT_EQ(run_scene(loaded, {.directory = run, .force = true}).status, RunStatus::Refused);
+  EXPECT_TRUE(fs::exists(frame));
+  loaded.scene.cloths[0].shape = other;  // no name of a frame: stays
+  EXPECT_EQ(run_scene(loaded, {.directory = run, .until = 0.01, .force = true}).status, RunStatus::Done);
+  EXPECT_TRUE(fs::exists(other));
+}
+
+TEST(Run, TakesAsManyStepsAsASceneMayAskFor) {
+  const TestFolder folder;
+  LoadedScene loaded = hanging_scene();
+  loaded.scene.time_step = 1e-8;
+  loaded.scene.duration = 1;  // 1e8 steps: the most that the reader accepts
+  EXPECT_EQ(run_scene(loaded, {.directory = folder.path(), .until = 1e-8}).status, RunStatus::Done);
+}
+
+TEST(Run, TellsWhereItStandsWhenNothingIsLeftToDo) {
+  const TestFolder folder;
+  const RunResult done = run_scene(hanging_scene(), {.directory = folder.path()});
+  const RunResult again = run_scene(hanging_scene(), {.directory = folder.path(), .resume = true});
+  for (const RunResult& result : {done, again}) {
+    EXPECT_EQ(result.status, RunStatus::Done);
+    EXPECT_EQ(result.reached.step, 45);
+    EXPECT_EQ(result.reached.time, 0.225);
+  }
+}
+
 TEST(Run, ReportsItsProgressAfterEachStep) {
   const TestFolder folder;
   std::vector<RunProgress> seen;

@@ -30,8 +30,9 @@ void write_whole(const std::filesystem::path& path, std::string_view bytes) {
   std::FILE* file = std::fopen(part.c_str(), "wb");
   if (!file) fail(path, errno);
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  int error = written ? 0 : errno;
-  if (std::fclose(file) != 0 && !error) error = errno;  // a full disk may show only when the buffer is flushed
+  int error = written ? 0 : errno ? errno : EIO;
+  errno = 0;
+  if (std::fclose(file) != 0 && !error) error = errno ? errno : EIO;  // a full disk may show only now
   std::error_code trouble(error, std::generic_category());
   if (!trouble) std::filesystem::rename(part, path, trouble);
   if (!trouble) return;

@@ -74,6 +74,7 @@ class Run {
   void write_summary(bool finished, const std::string& why) const;
   double time() const { return schedule_.end_of(step_); }
   int n_frames() const { return schedule_.frames_until(step_); }
+  RunProgress reached() const;
   bool reached_end() const { return step_ >= schedule_.n_steps; }
   double wanted_end() const { return std::min(scene_.duration, options_.until.value_or(scene_.duration)); }
   bool reached_until() const { return options_.until && time() >= *options_.until - until_slack * schedule_.time_step; }
@@ -105,10 +106,8 @@ Run::Run(const LoadedScene& loaded, const RunOptions& options)
       start_(measure(loaded.scene, loaded.cloths)),
       sheets_(loaded.scene, options.stages) {
   if (options.force && !options.resume) remove_run(directory_);
-  if (!std::filesystem::exists(directory_.checkpoint())) {
-    std::filesystem::create_directories(directory_.root);
+  if (!std::filesystem::exists(directory_.checkpoint()))
     write_whole(directory_.checkpoint(), encode_checkpoint(loaded_.resolved_json, 0, loaded_.cloths));
-  }
   begin();
 }
 
@@ -157,15 +156,24 @@ RunResult Run::go(const std::function<bool(const RunProgress&)>& progress) {
 RunResult Run::take_steps(const std::function<bool(const RunProgress&)>& progress) {
   while (!reached_end() && !reached_until()) {
     if (std::optional<std::string> failure = step()) return finish(RunStatus::SimulationFailed, std::move(*failure));
-    const StepRow& row = tally_.last();
-    const bool go_on = !progress || progress({time(), wanted_end(), tally_.sums().t_total, step_,
-                                              static_cast<int>(row.faces), static_cast<int>(row.eol_vertices),
-                                              static_cast<int>(row.contacts), static_cast<int>(tally_.sums().retries)});
+    const bool go_on = !progress || progress(reached());
     if (!go_on && !reached_end() && !reached_until())
       return finish(RunStatus::Interrupted, "interrupted after step " + std::to_string(step_) + " (time " +
                                                 digits(time()) + " s); --resume continues");
   }
   return finish(RunStatus::Done, reached_end() ? "reached the end of the scene" : "stopped at --until");
+}
+
+RunProgress Run::reached() const {
+  const StepRow &row = tally_.last(), &sums = tally_.sums();
+  return {time(),
+          wanted_end(),
+          sums.t_total,
+          step_,
+          static_cast<int>(row.faces),
+          static_cast<int>(row.eol_vertices),
+          static_cast<int>(row.contacts),
+          static_cast<int>(sums.retries)};
 }
 
 /// One step and its row. @return what failed, or nothing
@@ -256,7 +264,7 @@ void Run::take_checkpoint() {
 RunResult Run::finish(RunStatus status, std::string message) const {
   const bool finished = status == RunStatus::Done;
   write_summary(finished, message);
-  return {status, finished ? std::string() : std::move(message)};
+  return {status, finished ? std::string() : std::move(message), reached()};
 }
 
 void Run::write_summary(bool finished, const std::string& why) const {
@@ -271,12 +279,16 @@ RunResult run_scene(const LoadedScene& loaded, const RunOptions& options,
   require(loaded.cloths.size() == loaded.scene.cloths.size(), "run_scene: expected one cloth for each of the scene's");
   try {
     const RunDirectory directory{options.directory};
-    if (std::optional<std::string> why = refusal(directory, options)) return {RunStatus::Refused, std::move(*why)};
+    if (std::optional<std::string> why = refusal(directory, options, loaded))
+      return {RunStatus::Refused, std::move(*why)};
     if (options.resume && std::filesystem::exists(directory.checkpoint()) &&
         !parse_file(directory.checkpoint(),
                     [&](const std::string& bytes) { return belongs_to(bytes, loaded.resolved_json); }))
       return {RunStatus::Refused,
               directory.root.string() + ": holds a run of another scene; --resume needs the same scene and --set"};
+    std::filesystem::create_directories(directory.root);
+    const DirectoryLock lock(directory);
+    if (lock.taken_by_another()) return {RunStatus::Refused, directory.root.string() + ": another run is writing here"};
     return Run(loaded, options).go(progress);
   } catch (const FileError& error) {
     return {RunStatus::FileTrouble, error.what()};

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "run_directory.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
-#include <cctype>
+#include <cerrno>
 #include <charconv>
+#include <variant>
 #include <vector>
 
 #include "output_file.hpp"
@@ -12,6 +17,9 @@ namespace crease {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* run_files[] = {"checkpoint.bin", "summary.json",   "steps.csv",
+                                     "cloth.pvd",      "obstacles.json", "scene.json"};
 
 /// Number of a frame file of ours, or nothing.
 std::optional<int> frame_number(const fs::path& file) {
@@ -40,12 +48,32 @@ bool holds_nothing_yet(const RunDirectory& directory) {
   return std::all_of(files.begin(), files.end(), [&](const fs::path& file) { return file == part; });
 }
 
+/// Does a run in this directory put another file in this one's place, or remove it? Looks through links.
+bool is_replaced(const RunDirectory& directory, const fs::path& file) {
+  std::error_code missing;  // a file that is not there cannot be lost
+  for (const char* name : run_files)
+    if (fs::equivalent(file, directory.root / name, missing)) return true;
+  return frame_number(file) && fs::equivalent(file, directory.root / "frames" / file.filename(), missing);
+}
+
+/// What the scene was read from and a run in this directory would destroy, or nothing.
+std::optional<fs::path> endangered_input(const RunDirectory& directory, const LoadedScene& loaded) {
+  if (is_replaced(directory, loaded.file) && read_whole(loaded.file) != loaded.resolved_json + "\n") return loaded.file;
+  for (const ClothSpec& cloth : loaded.scene.cloths)
+    if (const auto* mesh = std::get_if<fs::path>(&cloth.shape); mesh && is_replaced(directory, *mesh)) return *mesh;
+  return std::nullopt;
+}
+
 }  // namespace
 
-std::optional<std::string> refusal(const RunDirectory& directory, const RunOptions& options) {
+std::optional<std::string> refusal(const RunDirectory& directory, const RunOptions& options,
+                                   const LoadedScene& loaded) {
   const std::string name = directory.root.string();
+  if (name.empty()) return "the name of the directory to write is empty";
   if (fs::exists(directory.root) && !fs::is_directory(directory.root))
     throw FileError(directory.root, "is not a directory");
+  if (const std::optional<fs::path> input = endangered_input(directory, loaded))
+    return input->string() + ": is read by the scene and would be replaced by the run; write to another directory";
   if (options.resume) {
     if (!fs::exists(directory.root)) return name + ": nothing to resume, the directory does not exist";
     if (!fs::exists(directory.checkpoint()) && !holds_nothing_yet(directory))
@@ -57,6 +85,16 @@ std::optional<std::string> refusal(const RunDirectory& directory, const RunOptio
   return std::nullopt;
 }
 
+DirectoryLock::DirectoryLock(const RunDirectory& directory)
+    : descriptor_(open(directory.root.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  // A file system that knows no locks, or a directory that may be written but not read, goes without.
+  taken_by_another_ = descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+}
+
+DirectoryLock::~DirectoryLock() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
 void remove_frames(const RunDirectory& directory, int first_frame) {
   for (const fs::path& file : entries(directory.root / "frames")) {
     const std::optional<int> number =
@@ -66,8 +104,7 @@ void remove_frames(const RunDirectory& directory, int first_frame) {
 }
 
 void remove_run(const RunDirectory& directory) {
-  for (const char* name :
-       {"checkpoint.bin", "summary.json", "steps.csv", "cloth.pvd", "obstacles.json", "scene.json"}) {
+  for (const char* name : run_files) {
     fs::remove(directory.root / name);
     fs::remove(directory.root / (std::string(name) + ".tmp"));
   }

@@ -17,7 +17,21 @@ struct RunDirectory {
 };
 
 /// Why a run must not start in this directory, or nothing. Changes nothing.
-std::optional<std::string> refusal(const RunDirectory& directory, const RunOptions& options);
+std::optional<std::string> refusal(const RunDirectory& directory, const RunOptions& options, const LoadedScene& loaded);
+
+/// Keeps every other run out of a directory for as long as it lives; a killed process lets go as well.
+class DirectoryLock {
+ public:
+  explicit DirectoryLock(const RunDirectory& directory);
+  ~DirectoryLock();
+  DirectoryLock(const DirectoryLock&) = delete;
+  DirectoryLock& operator=(const DirectoryLock&) = delete;
+  bool taken_by_another() const { return taken_by_another_; }
+
+ private:
+  int descriptor_;
+  bool taken_by_another_ = false;
+};
 
 /// Removes the frames from number `first_frame` on and whatever half-written file a killed run left.
 void remove_frames(const RunDirectory& directory, int first_frame);

@@ -18,8 +18,8 @@ constexpr double most_steps = 1e8;
 }  // namespace
 
 Schedule::Schedule(const Scene& scene) : time_step(scene.time_step), duration(scene.duration) {
-  require(time_step > 0 && duration >= 0 && duration / time_step < most_steps && scene.fps > 0,
-          "run_scene: expected time_step > 0, fps > 0 and 0 <= duration < 1e8 time steps");
+  require(time_step > 0 && duration >= 0 && duration / time_step <= most_steps && scene.fps > 0,
+          "run_scene: expected time_step > 0, fps > 0 and 0 <= duration <= 1e8 time steps");
   n_steps = static_cast<int>(std::ceil(duration / time_step - slack));
   n_steps = std::max(n_steps, 0);
   double last = -1;

@@ -63,6 +63,7 @@ LoadedScene load_scene(const std::filesystem::path& file,
   if (filled.is_null()) throw SceneError(file, problems.take());
   make_mesh_paths_absolute(filled, file);
   LoadedScene loaded;
+  loaded.file = file;
   loaded.scene = read_scene(filled);
   check_scene(loaded.scene, filled, problems);
   loaded.cloths = make_cloths(loaded.scene, problems);

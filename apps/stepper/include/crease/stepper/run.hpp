@@ -31,14 +31,15 @@ struct RunProgress {
 enum class RunStatus {
   Done = 0,
   SimulationFailed = 1,  ///< what is on disk is complete up to the last good step
-  Refused = 2,           ///< directory not empty, or nothing there to resume, or another scene's; nothing was written
+  Refused = 2,           ///< directory in use or not empty, nothing there to resume, another scene's; nothing written
   FileTrouble = 3,
   Interrupted = 130  ///< by `progress`; what is on disk is complete and `resume` continues
 };
 
 struct RunResult {
   RunStatus status = RunStatus::Done;
-  std::string message;  ///< step, time, stage and why, when not Done
+  std::string message;       ///< step, time, stage and why, when not Done
+  RunProgress reached = {};  ///< where the run stands now; zeros if it did not begin
 };
 
 /// Runs a scene and writes everything of the contract's section 3.
