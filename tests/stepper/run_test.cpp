@@ -133,6 +133,25 @@ TEST(RunDeathTest, KilledAndResumedWritesTheSameBytes) {
   EXPECT_EQ(differences(repeatable_bytes(whole), repeatable_bytes(parts)), Names());
 }
 
+TEST(Run, ResumesWhateverFollowsTheRowsOfItsCheckpoint) {
+  const TestFolder folder;
+  const LoadedScene loaded = hanging_scene();
+  const fs::path whole = folder.path() / "whole", parts = folder.path() / "parts";
+  ASSERT_EQ(run_scene(loaded, {.directory = whole}).status, RunStatus::Done);
+  run_scene(loaded, {.directory = parts}, stop_after(25));
+  std::ofstream(parts / "steps.csv", std::ios::app) << std::string(100, '\0') << "\n\n";  // the machine lost its power
+  EXPECT_EQ(run_scene(loaded, {.directory = parts, .resume = true}).status, RunStatus::Done);
+  EXPECT_EQ(differences(repeatable_bytes(whole), repeatable_bytes(parts)), Names());
+
+  const std::string rows = bytes_of(parts / "steps.csv");
+  for (const std::string& bad : {rows.substr(0, 1000), "\n" + rows, std::string(rows).replace(1500, 1, "x")}) {
+    std::ofstream(parts / "steps.csv") << bad;
+    const RunResult result = run_scene(loaded, {.directory = parts, .resume = true});
+    EXPECT_EQ(result.status, RunStatus::FileTrouble);
+    EXPECT_NE(result.message.find("steps.csv: "), std::string::npos) << result.message;
+  }
+}
+
 TEST(Run, ResumedBeforeItsFirstCheckpointStartsFromTheBeginning) {
   const TestFolder folder;
   const fs::path whole = folder.path() / "whole", parts = folder.path() / "parts";

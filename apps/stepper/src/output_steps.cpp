@@ -108,12 +108,12 @@ std::string to_csv(const StepRow& row) {
   return text + '\n';
 }
 
-std::vector<StepRow> parse_steps(const std::string& text) {
+std::vector<StepRow> parse_steps(const std::string& text, std::size_t most) {
   const std::string header = steps_header();
   if (text.compare(0, header.size(), header) != 0)
     throw std::runtime_error("line 1: expected the header of this version");
   std::vector<StepRow> rows;
-  for (std::size_t at = header.size(); at < text.size();) {
+  for (std::size_t at = header.size(); at < text.size() && rows.size() < most;) {
     const std::size_t end = text.find('\n', at);
     if (end == std::string::npos) break;
     rows.push_back(parse_row(std::string_view(text).substr(at, end - at), rows.size() + 2));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,9 @@ struct StepRow {
 std::string steps_header();              ///< with newline
 std::string to_csv(const StepRow& row);  ///< with newline; shortest digits that read back the same number
 
-/// Rows of a steps.csv in order; a last line without newline, as a killed run leaves it, is not counted.
-/// Throws std::runtime_error naming the first line that is none of ours.
-std::vector<StepRow> parse_steps(const std::string& text);
+/// The first `most` rows of a steps.csv, or as many as there are; what follows may be anything that a machine which
+/// lost its power left. A last line without newline, as a killed run leaves it, is not counted. Throws
+/// std::runtime_error naming the first line that is none of ours.
+std::vector<StepRow> parse_steps(const std::string& text, std::size_t most);
 
 }  // namespace crease

@@ -134,10 +134,10 @@ void Run::begin() {
 
 std::vector<StepRow> Run::kept_rows() const {
   if (step_ == 0) return {};
-  std::vector<StepRow> rows = parse_file(directory_.steps(), parse_steps);
-  if (static_cast<int>(rows.size()) < step_)
-    throw FileError(directory_.steps(), "holds fewer rows than the checkpoint has steps");
-  rows.resize(static_cast<std::size_t>(step_));
+  const auto n_steps = static_cast<std::size_t>(step_);
+  std::vector<StepRow> rows =
+      parse_file(directory_.steps(), [n_steps](const std::string& text) { return parse_steps(text, n_steps); });
+  if (rows.size() < n_steps) throw FileError(directory_.steps(), "holds fewer rows than the checkpoint has steps");
   return rows;
 }
 
