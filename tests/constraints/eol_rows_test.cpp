@@ -10,7 +10,7 @@ namespace {
 using namespace crease::testing;
 
 constexpr double h = 1e-2;
-constexpr double threshold = 1e-3;  // the default of ConstraintOptions
+constexpr double threshold = 1e-3, return_time = 0.01;  // the defaults of ConstraintOptions
 // Unit normals through one rotation, and sums of a handful of terms of size 1: a few ulp.
 constexpr double round_off = 1e-13;
 // A position of size 1 m is known to 1e-16 m; a gap's share of the bound is that over h = 1e-2 s, a few times.
@@ -148,11 +148,11 @@ TEST(EolRows, BoundIsTheObstaclesVelocityAtTheVertex) {
   }
   for (const auto& term : rows.regularisation) {
     EXPECT_NEAR(term.value, term.direction.dot(sheet.pose.velocity_at(sheet.cloth.mesh.x[term.vertex])), round_off);
-    EXPECT_DOUBLE_EQ(term.scale, 1e-6);
+    EXPECT_DOUBLE_EQ(term.scale, h / return_time);
   }
 }
 
-// A gap may close within the step, and not more; a penetration is pushed out, by at most half the threshold a step.
+// A gap may close within the step, and not more; a penetration is pushed out, at one threshold per return time at most.
 TEST(EolRows, GapEntersSignedAndBounded) {
   for (const double gap : {2e-3, 1e-5, -1e-5, -4e-4, -6e-4, -0.3}) {
     EolSheet sheet = make_eol_sheet(0.3);
@@ -161,7 +161,7 @@ TEST(EolRows, GapEntersSignedAndBounded) {
     const ConstraintRows rows = sheet.rows();
     for (const int r : rows_of(rows.in, RowKind::EolNormal, v)) {
       const bool is_up = rows.in[r].normal.dot(sheet.up) > 0.5;
-      const double expected = is_up ? std::min(-gap, 0.5 * threshold) / h : 0.0;
+      const double expected = is_up ? std::min(-gap / h, threshold / return_time) : 0.0;
       EXPECT_NEAR(rows.b_in[r], expected, gap_round_off) << "gap " << gap;
     }
   }
@@ -239,7 +239,7 @@ TEST(EolRows, HoldTakesDriftBackBounded) {
     ASSERT_EQ(rows.eq.size(), 2u);
     for (int r = 0; r < 2; ++r) {
       const double offset = rows.eq[r].normal.dot(aside);
-      const double back = std::copysign(std::min(std::abs(offset), 0.5 * threshold) / h, -offset);
+      const double back = std::copysign(std::min(std::abs(offset) / h, threshold / return_time), -offset);
       EXPECT_NEAR(rows.b_eq[r], back, gap_round_off);
     }
   }

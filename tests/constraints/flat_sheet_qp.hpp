@@ -9,13 +9,15 @@
 
 namespace crease::testing {
 
+inline constexpr double sheet_density = 0.05;
+
 /// Inertia of the whole sheet by Eq. 8, element by element, dense.
-inline MatX make_inertia(const Cloth& cloth, const DofMap& dofs, double density = 0.05) {
+inline MatX make_inertia(const Cloth& cloth, const DofMap& dofs) {
   MatX M = MatX::Zero(dofs.size(), dofs.size());
   const Mesh& mesh = cloth.mesh;
   for (int f = 0; f < mesh.n_faces(); ++f) {
     const Mat32 F = deformation_gradient(mesh, f);
-    const double m = density * mesh.material_area(f) / 12;
+    const double m = sheet_density * mesh.material_area(f) / 12;
     const auto block = [&](int v) {
       MatX B = MatX::Zero(3, dofs.is_eol(v) ? 5 : 3);
       B.leftCols(3).setIdentity();
@@ -32,12 +34,17 @@ inline MatX make_inertia(const Cloth& cloth, const DofMap& dofs, double density 
   return M;
 }
 
-/// Adds the regularisation, `scale` relative to the mean diagonal of H at the vertex, as its definition says.
-inline void add_regularisation(const ConstraintRows& rows, const DofMap& dofs, MatX& H, VecX& f) {
-  const VecX diagonal = H.diagonal();
+inline double lumped_mass(const Mesh& mesh, int vertex) {
+  double area = 0;
+  for (const int h : mesh.outgoing(vertex)) area += mesh.material_area(Mesh::face_of(h));
+  return sheet_density * area / 3;
+}
+
+/// Adds the regularisation as its definition says.
+inline void add_regularisation(const ConstraintRows& rows, const Cloth& cloth, const DofMap& dofs, MatX& H, VecX& f) {
   for (const auto& term : rows.regularisation) {
     const int at = dofs.x(term.vertex);
-    const double weight = term.scale * diagonal.segment<3>(at).mean();
+    const double weight = term.scale * lumped_mass(cloth.mesh, term.vertex);
     H.block<3, 3>(at, at) += weight * term.direction * term.direction.transpose();
     f.segment<3>(at) += weight * term.value * term.direction;
   }

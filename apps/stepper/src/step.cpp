@@ -46,13 +46,18 @@ std::vector<PosedObstacle> pose_all(std::span<const Obstacle> obstacles, double 
   return posed;
 }
 
-QpProblem make_problem(const AssembledSystem& system, const ConstraintRows& rows, const DofMap& dofs) {
+double lumped_mass(const Mesh& mesh, int vertex, double density) {
+  double area = 0;
+  for (const int h : mesh.outgoing(vertex)) area += mesh.material_area(Mesh::face_of(h));
+  return density * area / 3;
+}
+
+QpProblem make_problem(const AssembledSystem& system, const ConstraintRows& rows, const DofMap& dofs, const Mesh& mesh,
+                       double density) {
   QpProblem problem{system.H, system.rhs, rows.A_eq, rows.A_in, rows.b_eq, rows.b_in, dofs.start};
   for (const auto& term : rows.regularisation) {
     const int at = dofs.x(term.vertex);
-    double diagonal = 0;
-    for (int k = 0; k < 3; ++k) diagonal += system.H.coeff(at + k, at + k) / 3;
-    const double weight = term.scale * diagonal;
+    const double weight = term.scale * lumped_mass(mesh, term.vertex, density);
     for (int j = 0; j < 3; ++j) {
       for (int i = 0; i < 3; ++i) problem.H.coeffRef(at + i, at + j) += weight * term.direction[i] * term.direction[j];
       problem.f[at + j] += weight * term.value * term.direction[j];
@@ -253,7 +258,8 @@ bool SheetStepper::Impl::solve(Work& work) {
   VecX free_velocity = gather_velocity(work.cloth, work.dofs);
   for (int v = 0; v < work.cloth.mesh.n_vertices(); ++v)
     free_velocity.segment<3>(work.dofs.x(v)) += work.h * settings.dynamics.gravity;
-  work.solution = stages.solve(make_problem(*system, work.rows, work.dofs), guess(work.rows, free_velocity));
+  work.solution = stages.solve(make_problem(*system, work.rows, work.dofs, work.cloth.mesh, settings.material.density),
+                               guess(work.rows, free_velocity));
   const QpResult& solution = work.solution;
   work.report.qp_iterations = solution.iterations;
   work.report.kkt_residual = solution.kkt_residual;

@@ -73,7 +73,7 @@ bool FreeDirections::leaves_free(const Vec3& direction, std::span<const Term> te
 }
 
 double gap_velocity(double gap, const ConstraintOptions& options) {
-  return gap >= 0 ? -gap / options.h : std::min(-gap, 0.5 * options.threshold) / options.h;
+  return gap >= 0 ? -gap / options.h : std::min(-gap / options.h, options.threshold / options.return_time);
 }
 
 void sort_rows(std::vector<Row>& rows) {

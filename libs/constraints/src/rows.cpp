@@ -75,7 +75,8 @@ void Builder::add_eol_world(int vertex) {
     const double carried = normal.dot(velocity);
     const double gap = normal.dot(x - cone.point);
     add_inequality(info(RowKind::EolNormal, k, normal), {&term, 1}, carried + gap_velocity(gap, options));
-    regularisation.push_back({vertex, normal, carried, options.regularisation});
+    const double back = std::max(gap, 0.0) / std::max(options.return_time, options.h);
+    regularisation.push_back({vertex, normal, carried - back, options.h / options.return_time});
   }
 }
 
@@ -143,8 +144,8 @@ ConstraintRows build_constraints(const Cloth& cloth, const DofMap& dofs, std::sp
                                  std::span<const PosedObstacle> obstacles, std::span<const PinState> pins,
                                  const ConstraintOptions& options) {
   const int n = cloth.mesh.vertex_slots();
-  require(options.h > 0 && options.threshold >= 0 && options.regularisation >= 0,
-          "build_constraints: expected h > 0, threshold >= 0 and regularisation >= 0");
+  require(options.h > 0 && options.threshold >= 0 && options.return_time > 0,
+          "build_constraints: expected h > 0, threshold >= 0 and return_time > 0");
   require(static_cast<int>(dofs.start.size()) == n + 1, "build_constraints: expected the dof map of this cloth");
   for (const PinState& pin : pins) {
     require(pin.index >= 0 && pin.index < 64, "build_constraints: expected pin indices in [0, 64)");

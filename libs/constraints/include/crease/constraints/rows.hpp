@@ -35,14 +35,17 @@ struct ConstraintRows {
   SparseRows A_eq, A_in;
   VecX b_eq, b_in;
   std::vector<RowInfo> eq, in;
-  /// weight/2 (direction . xdot_vertex - value)^2 is added to the objective. On a flat cloth the world and the material
-  /// motion of an EOL vertex across its edge cancel, and nothing else decides between them; this one decides for the
-  /// vertex that stays on the edge, and adds nothing where the contact is active.
+  /// scale m/2 (direction . xdot_vertex - value)^2 is added to the objective, m the lumped mass of the vertex. On flat
+  /// cloth x and X of an EOL vertex slide against each other across its edge without moving any material, so that
+  /// motion has no inertia, and any force along it blows it up. The term gives it some and leads the vertex back onto
+  /// its edge: with h/t_r of m and -gap/t_r it is a drag of rate 1/t_r, independent of the step. Where the contact is
+  /// active it changes nothing; cloth that lifts off feels it for its first fractions of a millimetre, with less than
+  /// m gap / t_r^2.
   struct Regularisation {
     int vertex;
     Vec3 direction;
-    double value;  ///< normal . v_obstacle [m/s]
-    double scale;  ///< dimensionless, times the mean diagonal of H at that vertex' xdot
+    double value;  ///< normal . v_obstacle - gap/t_r, the gap counted where it is open [m/s]
+    double scale;  ///< h/t_r: share of the lumped mass of the vertex
   };
   std::vector<Regularisation> regularisation;
 };
@@ -56,9 +59,9 @@ struct PinState {
 };
 
 struct ConstraintOptions {
-  double h = 0;                  ///< time step [s], > 0
-  double threshold = 1e-3;       ///< contact threshold [m]; a penetration is pushed out by at most half of it a step
-  double regularisation = 1e-6;  ///< see ConstraintRows::regularisation
+  double h = 0;               ///< time step [s], > 0
+  double threshold = 1e-3;    ///< contact threshold [m]
+  double return_time = 0.01;  ///< t_r > 0: a penetration is pushed out at threshold/t_r at most; see Regularisation [s]
 };
 
 /// Algorithm 2 of the paper with signs from the obstacle, border rule, Lagrangian contacts, pins, right-hand sides with
