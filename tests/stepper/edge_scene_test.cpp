@@ -44,12 +44,11 @@ double overhang(const Frame& frame) {
   return frame.eol.empty() ? 0 : sum / static_cast<double>(frame.eol.size());
 }
 
-/// Largest x of the cloth's border that hangs over the edge: the border has passed when it reaches the edge.
-double border_reach(const Frame& frame) {
-  double reach = -1e300;
+/// True once a part of the border that hung over the edge is up on the table. Below, it may touch the box's side.
+bool border_has_passed(const Frame& frame) {
   for (std::size_t v = 0; v < frame.x.size(); ++v)
-    if (frame.X[v].x() < 1e-9) reach = std::max(reach, frame.x[v].x());
-  return reach;
+    if (frame.X[v].x() < 1e-9 && frame.x[v].x() >= edge_x && frame.x[v].z() >= edge_z - 1e-3) return true;
+  return false;
 }
 
 /// What every resolution must show, from the settling of the overhang to the passage of the border.
@@ -61,7 +60,7 @@ void judge_contact(const std::vector<Frame>& frames) {
     deepest = std::max(deepest, testing::box_penetration(frame, box_low, box_high));
     for (const int v : frame.eol)
       off_feature = std::max(off_feature, std::hypot(frame.x[v].x() - edge_x, frame.x[v].z() - edge_z));
-    if (frame.time < settled || border_reach(frame) >= edge_x) continue;
+    if (frame.time < settled || border_has_passed(frame)) continue;
     ++judged;
     for (double y = 0.05; y < 0.96; y += 0.05)
       farthest = std::max(farthest, testing::distance_to_surface(frame, {edge_x, y, edge_z}));
