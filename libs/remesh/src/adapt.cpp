@@ -5,15 +5,13 @@
 #include <tuple>
 #include <vector>
 
-#include <Eigen/LU>
-
 #include "crease/base/require.hpp"
-#include "crease/geometry/triangle.hpp"
 #include "crease/remesh/remesh.hpp"
 #include "editor.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
 #include "options.hpp"
+#include "sizing.hpp"
 
 // L is the metric length of an edge: 1 is as long as it may be. Queues hold vertex pairs, not edges: vertices keep
 // their ids and do not move during a pass, so an entry is up to date exactly when the mesh still has the edge. All
@@ -32,15 +30,16 @@ constexpr double flip_margin = 0.1;
 // A collapse may move the surface by this share of the shortest edge, and turn a normal by this [rad].
 constexpr double shift_share = 0.02;
 constexpr double normal_turn = 0.35;
-// Rounds of flips, splits and collapses; each after the first only if the one before did something. The sizes are those
-// at the start: new vertices lie on the old facets, so curvature measured again at once would refine every facet's rim.
+// Rounds of flips, splits and collapses; each after the first looks only where the one before did something. The sizes
+// are those at the start: new vertices lie on the old facets, so curvature measured again at once would refine every
+// facet's rim.
 constexpr int max_rounds = 4;
 // Operations per face wanted.
 constexpr double budget_share = 20;
 
 struct Candidate {
-  double length;
-  int a, b;
+  double length;  // squared
+  int a, b;       // a < b
 };
 // Ties fall to the lower vertex ids, so the order never depends on how the queue is built.
 bool later_split(const Candidate& p, const Candidate& q) {
@@ -53,17 +52,25 @@ using Queue = std::priority_queue<Candidate, std::vector<Candidate>, bool (*)(co
 
 class Adapter {
  public:
-  Adapter(const Cloth& cloth, const AdaptOptions& options) : editor_(cloth), options_(options) {}
+  Adapter(const Cloth& cloth, const AdaptOptions& options, std::span<const PosedObstacle> obstacles)
+      : editor_(cloth, options.conserve),
+        surroundings_(obstacles, options.threshold),
+        limits_{shift_share * options.size[0], normal_turn, surroundings_},
+        sizes_(vertex_sizes(cloth, options)) {}
 
   RemeshResult run() && {
-    sizes_ = sizing_field(editor_.cloth(), options_);
-    budget_ = operations_allowed();
+    edges_ = mesh().edges();
+    everywhere_ = true;
     for (int round = 0; round < max_rounds && !spent_; ++round) {
-      const int before = operations();
-      flip_around(mesh().edges());
+      touched_.clear();
+      flip_around(edges_);
+      look_again();
       split_long_edges();
+      look_again();
       collapse_short_edges();
-      if (operations() == before) break;
+      if (touched_.empty()) break;
+      edges_ = edges_at(touched_);
+      everywhere_ = false;
     }
     return std::move(editor_).finish();
   }
@@ -78,30 +85,37 @@ class Adapter {
   }
   int operations_allowed() const;
   bool may_go_on(int vertex);
-  double length(int a, int b) const { return metric_length(mesh().X[b] - mesh().X[a], sizes_[a], sizes_[b]); }
-  double length(int h) const { return length(mesh().from(h), mesh().to(h)); }
+  double squared_length(int a, int b) const {
+    return squared_metric_length(mesh().X[b] - mesh().X[a], sizes_[a], sizes_[b]);
+  }
+  double squared_length(int h) const { return squared_length(mesh().from(h), mesh().to(h)); }
 
-  void flip_around(const std::vector<int>& halfedges);
-  bool should_flip(int h) const;
+  void flip_around(std::vector<int> stack);
+  bool should_flip(int h);
   void split_long_edges();
   void split(int h, Queue& queue);
   void collapse_short_edges();
-  bool may_go(int p, int q) const;
   bool leaves_short_edges(int p, int q) const;
-  bool should_collapse(int p, int q) const;
+  bool should_collapse(int p, int q);
   void collapse(int p, int q, Queue& queue);
-  std::vector<int> halfedges_of(const std::vector<int>& faces) const;
-  Candidate candidate(int h, double L) const {
-    return {L, std::min(mesh().from(h), mesh().to(h)), std::max(mesh().from(h), mesh().to(h))};
-  }
+
+  void touch(const std::vector<int>& faces);
+  void look_again();
+  std::vector<int> edges_at(const std::vector<int>& vertices) const;
+  std::vector<int> halfedges_around(int vertex) const;
   void push_splits(Queue& queue, const std::vector<int>& halfedges) const;
   void push_collapses(Queue& queue, const std::vector<int>& halfedges) const;
+  bool allowed(const std::optional<RefusalReason>& trouble);
 
   Editor editor_;
-  const AdaptOptions& options_;
-  std::vector<Mat2> sizes_;
-  int budget_ = 0;
-  bool spent_ = false;
+  Surroundings surroundings_;
+  GuardLimits limits_;
+  std::vector<Tensor> sizes_;
+  int budget_ = 0;  // made when it is first needed
+  bool spent_ = false, everywhere_ = true;
+  std::vector<int> edges_;    // what this round looks at
+  std::vector<int> touched_;  // corners of the faces that it changed
+  int n_seen_ = 0;            // operations when edges_ was made
 };
 
 // A face of the wanted size has a metric area of about 1/4 (edges of L = 0.75); strips narrower than an edge have no
@@ -109,70 +123,115 @@ class Adapter {
 int Adapter::operations_allowed() const {
   double wanted = mesh().n_faces();
   for (int f = 0; f < mesh().face_slots(); ++f) {
-    double density = 0;
-    for (const int v : mesh().face(f)) density += std::sqrt(std::max(0.0, sizes_[v].determinant())) / 3;
-    wanted += 4 * density * mesh().material_area(f);
+    if (!mesh().face_live(f)) continue;
+    const auto& [a, b, c] = mesh().face(f);
+    const Tensor sum = sizes_[a] + sizes_[b] + sizes_[c];
+    wanted += 4 * std::sqrt(std::max(0.0, sum.determinant())) / 3 * mesh().material_area(f);
+    for (int h = 3 * f; h < 3 * f + 3; ++h) wanted += std::sqrt(squared_length(h));
   }
-  for (const int h : mesh().edges()) wanted += length(h);
   return static_cast<int>(std::min(budget_share * wanted, 1e8));
 }
 
 bool Adapter::may_go_on(int vertex) {
+  if (budget_ == 0) budget_ = operations_allowed();
   if (operations() < budget_) return true;
   if (!spent_) editor_.refuse(RefusalReason::BudgetSpent, vertex, mesh().X[vertex]);
   spent_ = true;
   return false;
 }
 
-std::vector<int> Adapter::halfedges_of(const std::vector<int>& faces) const {
-  std::vector<int> result;
+bool Adapter::allowed(const std::optional<RefusalReason>& trouble) {
+  if (trouble) ++editor_.report().kept_back[static_cast<std::size_t>(*trouble)];
+  return !trouble;
+}
+
+void Adapter::touch(const std::vector<int>& faces) {
   for (const int f : faces)
-    for (int k = 0; k < 3; ++k) result.push_back(3 * f + k);
+    for (const int v : mesh().face(f)) touched_.push_back(v);
+}
+
+// Operations rename edges and make new ones: then the list is made anew, wherever this round looks.
+void Adapter::look_again() {
+  if (operations() == n_seen_) return;
+  n_seen_ = operations();
+  if (everywhere_) {
+    edges_ = mesh().edges();
+    return;
+  }
+  for (const int h : edges_)
+    if (mesh().face_live(Mesh::face_of(h))) touched_.insert(touched_.end(), {mesh().from(h), mesh().to(h)});
+  edges_ = edges_at(touched_);
+}
+
+std::vector<int> Adapter::edges_at(const std::vector<int>& vertices) const {
+  std::vector<char> chosen(static_cast<std::size_t>(3 * mesh().face_slots()), 0);
+  for (const int v : vertices) {
+    if (!mesh().vertex_live(v)) continue;
+    mesh().all_outgoing(v, [&](int h) {
+      for (int k = 0; k < 3; ++k, h = Mesh::next(h)) chosen[mesh().edge_of(h)] = 1;
+      return true;
+    });
+  }
+  std::vector<int> edges;
+  for (int h = 0; h < 3 * mesh().face_slots(); ++h)
+    if (chosen[h]) edges.push_back(h);
+  return edges;
+}
+
+std::vector<int> Adapter::halfedges_around(int vertex) const {
+  std::vector<int> result;
+  mesh().all_outgoing(vertex, [&](int h) {
+    for (int k = 0; k < 3; ++k, h = Mesh::next(h)) result.push_back(h);
+    return true;
+  });
   return result;
 }
 
 void Adapter::push_splits(Queue& queue, const std::vector<int>& halfedges) const {
-  for (const int h : halfedges)
-    if (const double L = length(h); L > split_above) queue.push(candidate(h, L));
+  for (const int h : halfedges) {
+    const auto [a, b] = std::minmax({mesh().from(h), mesh().to(h)});
+    if (const double L2 = squared_length(a, b); L2 > split_above * split_above) queue.push({L2, a, b});
+  }
 }
 
 void Adapter::push_collapses(Queue& queue, const std::vector<int>& halfedges) const {
   for (const int h : halfedges) {
-    const double L = length(h);
-    if (L > collapse_candidate) continue;
-    if (leaves_short_edges(mesh().from(h), mesh().to(h)) || leaves_short_edges(mesh().to(h), mesh().from(h)))
-      queue.push(candidate(h, L));
+    const auto [a, b] = std::minmax({mesh().from(h), mesh().to(h)});
+    const double L2 = squared_length(a, b);
+    if (L2 > collapse_candidate * collapse_candidate) continue;
+    if (leaves_short_edges(a, b) || leaves_short_edges(b, a)) queue.push({L2, a, b});
   }
 }
 
-bool Adapter::should_flip(int h) const {
+bool Adapter::should_flip(int h) {
   if (mesh().is_border(h) || mesh().tag(h) != 0) return false;
   const int a = mesh().from(h), b = mesh().opposite(h), c = mesh().to(h), d = mesh().opposite(mesh().twin(h));
-  Mat2 M = 0.25 * (sizes_[a] + sizes_[b] + sizes_[c] + sizes_[d]);
+  Mat2 M = (sizes_[a] + sizes_[b] + sizes_[c] + sizes_[d]).matrix();
   // Next to a chain roundness in material space itself counts: it keeps the chain's way ahead open.
   for (const int v : {a, b, c, d})
     if (cloth().is_eol(v)) M.setIdentity();
-  if (opposite_angle_sine(mesh().X[a], mesh().X[b], mesh().X[c], mesh().X[d], M) > -flip_margin) return false;
-  const FlipCheck check = flip_check(cloth(), h);
-  return check.sound && check.dihedral <= flip_dihedral && check.angle >= std::min(least_angle, check.angle_before);
+  return opposite_angle_sine(mesh().X[a], mesh().X[b], mesh().X[c], mesh().X[d], M) <= -flip_margin &&
+         allowed(why_no_flip(cloth(), h, limits_));
 }
 
 // A half-edge stays the name of some edge whatever is flipped, so the stack needs no upkeep.
-void Adapter::flip_around(const std::vector<int>& halfedges) {
-  std::vector<int> stack(halfedges.rbegin(), halfedges.rend());
+void Adapter::flip_around(std::vector<int> stack) {
+  std::reverse(stack.begin(), stack.end());
   while (!stack.empty()) {
     const int h = stack.back();
     stack.pop_back();
     if (!mesh().face_live(Mesh::face_of(h)) || !should_flip(h)) continue;
     if (!may_go_on(mesh().from(h))) return;
     const std::array<int, 2> faces = editor_.flip(h);
-    for (const int side : halfedges_of({faces[0], faces[1]})) stack.push_back(side);
+    touch({faces[0], faces[1]});
+    for (const int f : faces)
+      for (int side = 3 * f; side < 3 * f + 3; ++side) stack.push_back(side);
   }
 }
 
 void Adapter::split_long_edges() {
   Queue queue(later_split);
-  push_splits(queue, mesh().edges());
+  push_splits(queue, edges_);
   while (!queue.empty()) {
     const Candidate top = queue.top();
     queue.pop();
@@ -189,49 +248,33 @@ void Adapter::split_long_edges() {
 void Adapter::split(int h, Queue& queue) {
   const auto log = [](double l) { return std::log(l); };
   const auto exp = [](double l) { return std::exp(l); };
-  const Mat2 logs = map_eigenvalues(sizes_[mesh().from(h)], log) + map_eigenvalues(sizes_[mesh().to(h)], log);
+  const Tensor logs = map_eigenvalues(sizes_[mesh().from(h)], log) + map_eigenvalues(sizes_[mesh().to(h)], log);
   const Mesh::Split done = editor_.split(h, 0.5);
   sizes_.push_back(map_eigenvalues(0.5 * logs, exp));
-  flip_around(halfedges_of(done.faces));
+  touch(done.faces);
+  std::vector<int> sides;
+  for (const int f : done.faces) sides.insert(sides.end(), {3 * f, 3 * f + 1, 3 * f + 2});
+  flip_around(std::move(sides));
   // Flips pass on what they touch to each other only, so look again at all that surrounds the new vertex.
-  std::vector<int> faces;
-  for (const int out : mesh().outgoing(done.vertex)) faces.push_back(Mesh::face_of(out));
-  push_splits(queue, halfedges_of(faces));
-}
-
-// A chain is thinned along itself only: its ends, its corners and its course stay.
-bool Adapter::may_go(int p, int q) const {
-  if (cloth().pins[p] != 0) return false;
-  if (!cloth().is_eol(p)) return !mesh().is_border_vertex(p) || !mesh().is_material_corner(p);
-  return cloth().feature[p].kind == FeatureKind::Edge && !mesh().is_border_vertex(p) &&
-         mesh().tag(mesh().find_edge(p, q)) != 0;
+  push_splits(queue, halfedges_around(done.vertex));
 }
 
 // Whether p's edges, moved to q, would be short enough. The one test that nearly all candidates fail, so it comes first
 // and allocates nothing.
 bool Adapter::leaves_short_edges(int p, int q) const {
-  const int first = mesh().halfedge(p);
-  int h = first;
-  do {
-    if (mesh().to(h) != q && length(mesh().to(h), q) > collapse_below) return false;
-    const int across = mesh().twin(Mesh::prev(h));
-    if (across == Mesh::none) return mesh().opposite(h) == q || length(mesh().opposite(h), q) <= collapse_below;
-    h = across;
-  } while (h != first);
-  return true;
+  const auto is_short = [&](int v) { return v == q || squared_length(v, q) <= collapse_below * collapse_below; };
+  return mesh().all_outgoing(p, [&](int h) {
+    return is_short(mesh().to(h)) && (!mesh().is_border(Mesh::prev(h)) || is_short(mesh().opposite(h)));
+  });
 }
 
-bool Adapter::should_collapse(int p, int q) const {
-  if (!may_go(p, q) || !leaves_short_edges(p, q)) return false;
-  if (!mesh().can_collapse_vertex(p, q)) return false;
-  const Ring ring = ring_after(cloth(), p, at_vertex(mesh(), q));
-  return ring.sound && ring.angle >= std::min(least_angle, ring.angle_before) && ring.turn <= normal_turn &&
-         ring.shift <= shift_share * options_.size[0];
+bool Adapter::should_collapse(int p, int q) {
+  return leaves_short_edges(p, q) && allowed(why_no_collapse(cloth(), p, q, limits_));
 }
 
 void Adapter::collapse_short_edges() {
   Queue queue(later_collapse);
-  push_collapses(queue, mesh().edges());
+  push_collapses(queue, edges_);
   while (!queue.empty()) {
     const Candidate top = queue.top();
     queue.pop();
@@ -247,18 +290,19 @@ void Adapter::collapse_short_edges() {
 
 void Adapter::collapse(int p, int q, Queue& queue) {
   const Mesh::Collapse done = editor_.collapse(p, q);
-  flip_around(halfedges_of(done.faces));
-  std::vector<int> faces;
-  for (const int out : mesh().outgoing(done.into)) faces.push_back(Mesh::face_of(out));
-  push_collapses(queue, halfedges_of(faces));
+  touch(done.faces);
+  std::vector<int> sides;
+  for (const int f : done.faces) sides.insert(sides.end(), {3 * f, 3 * f + 1, 3 * f + 2});
+  flip_around(std::move(sides));
+  push_collapses(queue, halfedges_around(done.into));
 }
 
 }  // namespace
 
-RemeshResult adapt(const Cloth& cloth, const AdaptOptions& options) {
+RemeshResult adapt(const Cloth& cloth, const AdaptOptions& options, std::span<const PosedObstacle> obstacles) {
   require_valid(options);
   require(cloth.mesh.is_compact(), "adapt: expected a compact mesh");
-  return Adapter(cloth, options).run();
+  return Adapter(cloth, options, obstacles).run();
 }
 
 }  // namespace crease

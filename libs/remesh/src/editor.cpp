@@ -46,8 +46,11 @@ std::vector<int> faces_around(const Mesh& mesh, int vertex) {
 
 }  // namespace
 
-Editor::Editor(const Cloth& cloth)
-    : cloth_(cloth), n_given_(cloth.mesh.vertex_slots()), momentum_given_(total_linear_momentum(cloth)) {}
+Editor::Editor(const Cloth& cloth, bool conserve)
+    : cloth_(cloth), n_given_(cloth.mesh.vertex_slots()), conserve_(conserve) {
+  report_.before = motion(cloth);
+  drift_ = report_.before.linear / report_.before.area;
+}
 
 void Editor::add_vertex(const Vec3& v, const Vec2& V, const FeatureId& feature, std::uint64_t pins) {
   cloth_.v.push_back(v);
@@ -88,40 +91,47 @@ Mesh::Split Editor::split_face(int f, const Vec3& b) {
   return done;
 }
 
+template <typename Change>
+void Editor::change_patch(std::span<const int> faces, std::vector<int> payers, Change change) {
+  report_.changed = true;
+  if (!conserve_) {
+    change();
+    return;
+  }
+  const Frame frame{mean_position(payers), drift_};
+  const Account before = account(cloth_, faces, frame);
+  const auto& now = change();
+  settle(cloth_, before, account(cloth_, now, frame), frame, std::move(payers));
+}
+
 std::array<int, 2> Editor::flip(int h) {
   const int g = mesh().twin(h);
   const std::array<int, 2> faces{Mesh::face_of(h), Mesh::face_of(g)};
-  std::vector<int> corners{mesh().from(h), mesh().opposite(h), mesh().to(h), mesh().opposite(g)};
-  const Vec3 about = mean_position(corners);
-  const Momentum before = momentum(cloth_, faces, about);
-  const std::array<int, 2> done = cloth_.mesh.flip(h);
-  repay(cloth_, before - momentum(cloth_, done, about), about, std::move(corners));
-  report_.changed = true;
+  change_patch(faces, {mesh().from(h), mesh().opposite(h), mesh().to(h), mesh().opposite(g)},
+               [&] { return cloth_.mesh.flip(h); });
   ++report_.flips;
-  return done;
+  return faces;
 }
 
 Mesh::Collapse Editor::collapse(int vertex, int into) {
-  std::vector<int> patch = mesh().neighbours(vertex);
-  const Vec3 about = mean_position(patch);
-  const Momentum before = momentum(cloth_, faces_around(mesh(), vertex), about);
-  const Mesh::Collapse done = cloth_.mesh.collapse_vertex(vertex, into);
-  repay(cloth_, before - momentum(cloth_, done.faces, about), about, std::move(patch));
-  report_.changed = true;
+  Mesh::Collapse done;
+  change_patch(faces_around(mesh(), vertex), mesh().neighbours(vertex), [&]() -> const std::vector<int>& {
+    done = cloth_.mesh.collapse_vertex(vertex, into);
+    return done.faces;
+  });
   ++report_.collapses;
   return done;
 }
 
 template <typename Change>
 void Editor::change_star(int vertex, Change change) {
-  std::vector<int> patch = mesh().neighbours(vertex);
+  std::vector<int> payers = mesh().neighbours(vertex);
+  payers.push_back(vertex);
   const std::vector<int> faces = faces_around(mesh(), vertex);
-  const Vec3 about = mean_position(patch);
-  const Momentum before = momentum(cloth_, faces, about);
-  change();
-  patch.push_back(vertex);
-  repay(cloth_, before - momentum(cloth_, faces, about), about, std::move(patch));
-  report_.changed = true;
+  change_patch(faces, std::move(payers), [&]() -> const std::vector<int>& {
+    change();
+    return faces;
+  });
 }
 
 void Editor::slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v) {
@@ -171,8 +181,9 @@ void Editor::refuse_once(RefusalReason reason, const Vec2& X) {
 
 RemeshResult Editor::finish() && {
   report_.smallest_angle = smallest_material_angle(mesh());
+  report_.after = report_.changed ? motion(cloth_) : report_.before;
+  report_.momentum_change = report_.after.linear - report_.before.linear;
   if (!report_.changed) return {std::move(cloth_), std::move(report_)};
-  report_.momentum_change = total_linear_momentum(cloth_) - momentum_given_;
   const std::vector<int> renumbering = cloth_.mesh.compact().vertex;
   const int n = cloth_.mesh.n_vertices();
   drop_removed(cloth_.v, renumbering, n);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "crease/geometry/cloth.hpp"
@@ -12,12 +13,13 @@ namespace crease {
 /// A cloth while it is being remeshed: the mesh's operations, each of which carries velocities, features and pins along
 /// and keeps momentum, and the account of what was done. Vertex ids stay valid until finish().
 ///
-/// Momentum. A split and a release keep the linear one exactly. Flips, collapses and moves change the space of velocity
-/// fields: what the patch lost, linear and angular, is given back as one rigid motion of its free vertices.
+/// Momentum. A split keeps the velocity field, and a release the linear momentum. Flips, collapses and moves change the
+/// space of velocity fields: settle() sees to it that they neither lose momentum nor raise the kinetic energy.
 class Editor {
  public:
+  /// @param conserve  false: velocities are interpolated and nothing else, for comparison
   /// @pre cloth.mesh.is_compact()
-  explicit Editor(const Cloth& cloth);
+  explicit Editor(const Cloth& cloth, bool conserve = true);
 
   const Cloth& cloth() const { return cloth_; }
   const Mesh& mesh() const { return cloth_.mesh; }
@@ -48,7 +50,11 @@ class Editor {
 
  private:
   void add_vertex(const Vec3& v, const Vec2& V, const FeatureId& feature, std::uint64_t pins);
-  /// Runs `change`, which moves one vertex, and pays for it.
+  /// Runs `change` of the faces of a patch, which returns those that are there afterwards, and settles it with
+  /// `payers`.
+  template <typename Change>
+  void change_patch(std::span<const int> faces, std::vector<int> payers, Change change);
+  /// The same for a change of one vertex that leaves the mesh as it is.
   template <typename Change>
   void change_star(int vertex, Change change);
   Vec3 mean_position(const std::vector<int>& vertices) const;
@@ -56,7 +62,8 @@ class Editor {
   Cloth cloth_;
   RemeshReport report_;
   int n_given_;
-  Vec3 momentum_given_;
+  bool conserve_;
+  Vec3 drift_;  // mean velocity of the cloth given
 };
 
 }  // namespace crease

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "crease/geometry/triangle.hpp"
+#include "metric.hpp"
 
 namespace crease {
 
@@ -120,6 +121,44 @@ FlipCheck flip_check(const Cloth& cloth, int h) {
   check.angle_before = std::min(smallest_angle(old_1), smallest_angle(old_2));
   check.dihedral = angle_between(face_normal(mesh, Mesh::face_of(h)), face_normal(mesh, Mesh::face_of(g)));
   return check;
+}
+
+std::optional<RefusalReason> why_no_flip(const Cloth& cloth, int h, const GuardLimits& limits) {
+  const Mesh& mesh = cloth.mesh;
+  const FlipCheck check = flip_check(cloth, h);
+  if (!check.sound) return RefusalReason::WouldInvert;
+  if (check.angle < std::min(least_angle, check.angle_before)) return RefusalReason::TooThin;
+  if (check.dihedral > flip_dihedral) return RefusalReason::WouldMoveSurface;
+  const std::array<int, 4> quad{mesh.from(h), mesh.opposite(h), mesh.to(h), mesh.opposite(mesh.twin(h))};
+  const auto& [a, b, c, d] = quad;
+  // The diagonals cross at one material point, a + s (c - a) = b + t (d - b).
+  const Vec2 ac = mesh.X[c] - mesh.X[a], bd = mesh.X[d] - mesh.X[b], ab = mesh.X[b] - mesh.X[a];
+  const double s = cross2(ab, bd) / cross2(ac, bd), t = cross2(ab, ac) / cross2(ac, bd);
+  const auto& x = mesh.x;
+  const double shift = ((1 - s) * x[a] + s * x[c] - (1 - t) * x[b] - t * x[d]).norm();
+  const std::array<std::array<Vec3, 4>, 1> swept{{{x[a], x[b], x[c], x[d]}}};
+  return limits.surroundings.allow(swept, shift) ? std::nullopt : std::optional(RefusalReason::NearObstacle);
+}
+
+// A chain is thinned along itself only: its ends, its corners and its course stay.
+std::optional<RefusalReason> why_no_collapse(const Cloth& cloth, int vertex, int into, const GuardLimits& limits) {
+  const Mesh& mesh = cloth.mesh;
+  if (cloth.pins[vertex] != 0) return RefusalReason::Pinned;
+  const bool along_chain = mesh.tag(mesh.find_edge(vertex, into)) != 0;
+  if (cloth.is_eol(vertex) &&
+      (!along_chain || cloth.feature[vertex].kind != FeatureKind::Edge || mesh.is_border_vertex(vertex)))
+    return RefusalReason::WouldLoseChain;
+  if (mesh.is_material_corner(vertex)) return RefusalReason::AtCorner;
+  if (!mesh.can_collapse_vertex(vertex, into)) return RefusalReason::NotManifold;
+  const Ring ring = ring_after(cloth, vertex, at_vertex(mesh, into));
+  if (!ring.sound) return RefusalReason::WouldInvert;
+  if (ring.angle < std::min(least_angle, ring.angle_before)) return RefusalReason::TooThin;
+  if (ring.turn > limits.turn || ring.shift > limits.shift) return RefusalReason::WouldMoveSurface;
+  std::vector<std::array<Vec3, 4>> swept;
+  for (const int h : mesh.outgoing(vertex))
+    if (mesh.to(h) != into && mesh.opposite(h) != into)
+      swept.push_back({mesh.x[vertex], mesh.x[into], mesh.x[mesh.to(h)], mesh.x[mesh.opposite(h)]});
+  return limits.surroundings.allow(swept, ring.shift) ? std::nullopt : std::optional(RefusalReason::NearObstacle);
 }
 
 }  // namespace crease

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "crease/geometry/cloth.hpp"
+#include "crease/remesh/remesh.hpp"
+#include "surroundings.hpp"
 
 // What an operation would make of the surface, found out before it is done.
 namespace crease {
@@ -43,6 +46,17 @@ struct FlipCheck {
   double dihedral = 0;                       ///< between the two faces now, in the world [rad]
 };
 FlipCheck flip_check(const Cloth& cloth, int h);
+
+/// How much adapt() may change the surface.
+struct GuardLimits {
+  double shift;  ///< by which a collapse may move it [m]
+  double turn;   ///< by which a collapse may turn a normal [rad]
+  const Surroundings& surroundings;
+};
+/// Why adapt() may not do an operation, or nothing; the one place where that is decided. Faces may not get thinner than
+/// the worse of least_angle and what they are; the surface moves little, and next to obstacles less.
+std::optional<RefusalReason> why_no_flip(const Cloth& cloth, int h, const GuardLimits& limits);
+std::optional<RefusalReason> why_no_collapse(const Cloth& cloth, int vertex, int into, const GuardLimits& limits);
 
 /// Whether the vertex is on the obstacle edge that `tag` names: EOL on it, or a corner where its chain ends.
 bool on_line(const Cloth& cloth, int vertex, int tag);

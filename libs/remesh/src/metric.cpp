@@ -2,6 +2,7 @@
 #include "metric.hpp"
 
 #include <array>
+#include <numeric>
 #include <optional>
 
 #include <Eigen/LU>
@@ -16,25 +17,12 @@ namespace {
 constexpr double enclosing_tolerance = 1e-9;
 constexpr std::size_t max_disks = 8;
 
-struct Disk {
-  Vec2 centre;
-  double radius;
-};
-
+using Disk = Tensor;
 using DiskSpan = std::span<const Disk>;
 
-Disk disk_of(const Mat2& M) {
-  return {{0.5 * (M(0, 0) - M(1, 1)), M(0, 1)}, 0.5 * M.trace()};
-}
-
-Mat2 tensor_of(const Disk& d) {
-  return Mat2{{d.radius + d.centre.x(), d.centre.y()}, {d.centre.y(), d.radius - d.centre.x()}};
-}
-
 bool encloses_all(const Disk& outer, DiskSpan disks) {
-  const double reach = outer.radius * (1 + enclosing_tolerance);
-  return std::all_of(disks.begin(), disks.end(),
-                     [&](const Disk& d) { return (d.centre - outer.centre).norm() + d.radius <= reach; });
+  const Disk grown{outer.centre, outer.radius * (1 + enclosing_tolerance)};
+  return std::all_of(disks.begin(), disks.end(), [&](const Disk& d) { return encloses(grown, d); });
 }
 
 // Smallest disk around two, neither of which holds the other.
@@ -94,32 +82,16 @@ std::optional<Disk> smallest_enclosing(DiskSpan disks) {
 
 }  // namespace
 
-Spectrum spectrum(const Mat2& M) {
-  const double mean = 0.5 * M.trace(), d = 0.5 * (M(0, 0) - M(1, 1)), o = 0.5 * (M(0, 1) + M(1, 0));
-  const double r = std::sqrt(d * d + o * o);
-  Vec2 axis(1, 0);
-  if (r > 0) axis = (d >= 0 ? Vec2(d + r, o) : Vec2(o, r - d)).normalized();
-  return {mean + r, mean - r, axis};
-}
-
-Mat2 with_eigenvalues(const Spectrum& s, double large, double small) {
-  const Mat2 projector = s.axis * s.axis.transpose();
-  return large * projector + small * (Mat2::Identity() - projector);
-}
-
-Mat2 tensor_max(std::span<const Mat2> tensors) {
+Tensor tensor_max(std::span<const Tensor> tensors) {
   CREASE_ASSERT(tensors.size() <= max_disks);
   std::array<Disk, max_disks> storage{};
   std::size_t n = 0;
-  Mat2 sum = Mat2::Zero();
-  for (const Mat2& M : tensors) {
-    if (!(M.trace() > 0)) continue;
-    storage[n++] = disk_of(M);
-    sum += M;
-  }
-  if (n == 0) return Mat2::Zero();
-  const std::optional<Disk> disk = smallest_enclosing(DiskSpan(storage.data(), n));
-  return disk ? tensor_of(*disk) : sum;
+  for (const Tensor& M : tensors)
+    if (M.radius > 0) storage[n++] = M;
+  if (n == 0) return {};
+  const DiskSpan disks(storage.data(), n);
+  if (const std::optional<Disk> disk = smallest_enclosing(disks)) return *disk;
+  return std::accumulate(disks.begin(), disks.end(), Tensor{});
 }
 
 double opposite_angle_sine(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, const Mat2& M) {

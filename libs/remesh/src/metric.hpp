@@ -11,36 +11,73 @@
 // short enough; eigenvalues are 1/length^2.
 namespace crease {
 
-/// Eigenvalues of a symmetric 2x2 tensor and the unit eigenvector of the larger one, in closed form.
-struct Spectrum {
-  double large, small;
-  Vec2 axis;
+/// M = [radius + centre.x, centre.y; centre.y, radius - centre.x]: a disk in the plane of trace-free tensors. The
+/// eigenvalues are radius +- |centre|, and M is not below N (Loewner order) exactly when its disk encloses that of N,
+/// so everything that is asked of a metric has a closed form without eigenvectors.
+struct Tensor {
+  Vec2 centre = Vec2::Zero();
+  double radius = 0;
+
+  double large() const { return radius + centre.norm(); }
+  double small() const { return radius - centre.norm(); }
+  double determinant() const { return radius * radius - centre.squaredNorm(); }
+  /// e^T M e
+  double along(const Vec2& e) const {
+    return radius * e.squaredNorm() + centre.x() * (e.x() * e.x() - e.y() * e.y()) + 2 * centre.y() * e.x() * e.y();
+  }
+  Mat2 matrix() const { return Mat2{{radius + centre.x(), centre.y()}, {centre.y(), radius - centre.x()}}; }
+
+  static Tensor isotropic(double value) { return {Vec2::Zero(), value}; }
+  /// a a^T + ... over the rows of [first second]: G^T G of a 3x2 matrix.
+  static Tensor gram(const Mat32& G) {
+    const double xx = G.col(0).squaredNorm(), yy = G.col(1).squaredNorm();
+    return {{0.5 * (xx - yy), G.col(0).dot(G.col(1))}, 0.5 * (xx + yy)};
+  }
 };
-Spectrum spectrum(const Mat2& M);
 
-/// The tensor with the eigenvectors of `s` and the given eigenvalues.
-Mat2 with_eigenvalues(const Spectrum& s, double large, double small);
-
-/// f applied to the eigenvalues of a symmetric tensor.
-template <typename Function>
-Mat2 map_eigenvalues(const Mat2& M, Function f) {
-  const Spectrum s = spectrum(M);
-  return with_eigenvalues(s, f(s.large), f(s.small));
+inline Tensor operator+(const Tensor& a, const Tensor& b) {
+  return {a.centre + b.centre, a.radius + b.radius};
+}
+inline Tensor operator-(const Tensor& a, const Tensor& b) {
+  return {a.centre - b.centre, a.radius - b.radius};
+}
+inline Tensor operator*(double s, const Tensor& a) {
+  return {s * a.centre, s * a.radius};
+}
+inline Tensor square(const Tensor& a) {
+  return {2 * a.radius * a.centre, a.radius * a.radius + a.centre.squaredNorm()};
 }
 
-/// The tensor of least trace that is not below any of the given ones (Loewner order). A tensor is a disk of centre
-/// ((M11 - M22)/2, M12) and radius trace/2, and "not below" is "encloses", so this is the smallest enclosing disk of
-/// disks; where rounding leaves no candidate that encloses all, their sum.
+/// The tensor with the eigenvectors of `M` and the given eigenvalues, `large` to the larger one.
+inline Tensor with_eigenvalues(const Tensor& M, double large, double small) {
+  const double length = M.centre.norm();
+  return {length > 0 ? Vec2(M.centre * (0.5 * (large - small) / length)) : Vec2::Zero(), 0.5 * (large + small)};
+}
+
+/// f applied to the eigenvalues.
+template <typename Function>
+Tensor map_eigenvalues(const Tensor& M, Function f) {
+  return with_eigenvalues(M, f(M.large()), f(M.small()));
+}
+
+/// Whether M is not below N.
+inline bool encloses(const Tensor& M, const Tensor& N) {
+  const double slack = M.radius - N.radius;
+  return slack >= 0 && (M.centre - N.centre).squaredNorm() <= slack * slack;
+}
+
+/// The tensor of least trace that is not below any of the given ones: the smallest disk that encloses the disks. Where
+/// rounding leaves no candidate that encloses all, their sum.
 /// @pre at most 8 tensors, positive semidefinite
-Mat2 tensor_max(std::span<const Mat2> tensors);
+Tensor tensor_max(std::span<const Tensor> tensors);
 
 inline double cross2(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// Length of the material vector e in the mean of two metrics.
-inline double metric_length(const Vec2& e, const Mat2& Ma, const Mat2& Mb) {
-  return std::sqrt(std::max(0.0, 0.5 * (e.dot(Ma * e) + e.dot(Mb * e))));
+/// Squared length of the material vector e in the mean of two metrics.
+inline double squared_metric_length(const Vec2& e, const Tensor& a, const Tensor& b) {
+  return std::max(0.0, 0.5 * (a + b).along(e));
 }
 
 /// Sine of the sum of the two angles that face the edge ac in the quadrilateral abcd (b right, d left of a -> c or the

@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -15,106 +19,225 @@ namespace {
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
+using MatN3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
 // Below this ratio of the smallest to the largest pivot, with lengths measured in patch radii, the vertices are as good
 // as in one line: a rotation about it would have to be fast to carry anything.
 constexpr double least_pivot_ratio = 1e-3;
+// Rings of vertices round the patch that may join in.
+constexpr int max_rings = 2;
+// An energy is not above another if by less than this share: rounding of sums over a patch.
+constexpr double energy_rounding = 1e-14;
 
 Mat3 cross_matrix(const Vec3& a) {
   return Mat3{{0, -a.z(), a.y()}, {a.z(), 0, -a.x()}, {-a.y(), a.x(), 0}};
 }
 
-bool is_held(const Cloth& cloth, int v) {
-  return cloth.is_eol(v) || cloth.pins[v] != 0;
+void sort_unique(std::vector<int>& ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-std::vector<int> free_among(const Cloth& cloth, std::vector<int> vertices) {
-  const auto held = [&](int v) { return is_held(cloth, v); };
-  if (std::all_of(vertices.begin(), vertices.end(), held)) {
-    std::vector<int> around;
-    for (const int v : vertices)
-      for (const int u : cloth.mesh.neighbours(v)) around.push_back(u);
-    std::sort(around.begin(), around.end());
-    around.erase(std::unique(around.begin(), around.end()), around.end());
-    vertices = std::move(around);
-  }
-  vertices.erase(std::remove_if(vertices.begin(), vertices.end(), held), vertices.end());
-  return vertices;
+std::vector<int> with_neighbours(const Mesh& mesh, const std::vector<int>& vertices) {
+  std::vector<int> grown = vertices;
+  for (const int v : vertices)
+    for (const int u : mesh.neighbours(v)) grown.push_back(u);
+  sort_unique(grown);
+  return grown;
 }
 
-// What a unit velocity of one vertex carries: its lumped area, and the first moment of its hat function about a point.
-struct Inertia {
-  double area = 0;
-  Vec3 moment = Vec3::Zero();
+std::array<Vec3, 3> seen_velocities(const Cloth& cloth, int face, const Frame& frame) {
+  std::array<Vec3, 3> w = corner_velocities(cloth, face);
+  for (Vec3& at_corner : w) at_corner -= frame.velocity;
+  return w;
+}
+
+// What is asked of a change of velocities: momenta, and how much energy it may add.
+struct Debt {
+  Vec3 linear, angular;
+  double energy;
 };
 
-Inertia inertia(const Mesh& mesh, int v, const Vec3& about) {
-  Inertia sum;
-  for (const int h : mesh.outgoing(v)) {
-    const double area = mesh.material_area(Mesh::face_of(h));
-    sum.area += area / 3;
-    sum.moment += area / 12 * (2 * mesh.x[v] + mesh.x[mesh.to(h)] + mesh.x[mesh.opposite(h)] - 4 * about);
+// Changes d_i of the velocities of n vertices. A field of them carries the momenta C d = (sum a_i d_i, sum y_i x d_i)
+// and adds the energy d.M d / 2 + d.p; M is the mass matrix of their hat functions, p_i the momentum that each hat sees
+// now, a_i and y_i the hats' area and first moment. Lengths in y are measured in patch radii R.
+class Payers {
+ public:
+  /// @param vertices  sorted
+  Payers(const Cloth& cloth, std::vector<int> vertices, const Frame& frame);
+
+  /// Whether both momenta can be given: the vertices are not in one line.
+  bool carry_spin() const { return n() > 0 && std::abs(lu_.matrixLU()(5, 5)) > least_pivot_ratio * lu_.maxPivot(); }
+  int n() const { return static_cast<int>(vertices_.size()); }
+
+  /// The least change that carries both momenta, if its energy is not above the debt's, or else as much of it as is;
+  /// nothing if no change can do it.
+  std::optional<MatN3> settle(const Debt& debt) const;
+  /// Linear momentum at no more than the debt's energy, if possible, and as much of the angular one as fits.
+  MatN3 settle_linear(const Debt& debt) const;
+  void apply(const MatN3& change, Cloth& cloth) const {
+    for (int i = 0; i < n(); ++i) cloth.v[vertices_[i]] += change.row(i).transpose();
   }
+
+ private:
+  double energy(const MatN3& d) const { return 0.5 * d.cwiseProduct(M_ * d).sum() + d.cwiseProduct(p_).sum(); }
+  Vec6 carried(const MatN3& d) const;
+  MatN3 push(const Vec6& multipliers) const;  // M^-1 C^T multipliers
+  MatN3 push_linear(const Vec3& momentum) const { return Z_.col(0) * (momentum / a_.dot(Z_.col(0))).transpose(); }
+  Vec6 in_radii(const Debt& debt) const { return (Vec6() << debt.linear, debt.angular / radius_).finished(); }
+  // On the way from the least energy to `wanted`, as far as the energy allows. Both carry the same momenta, so that the
+  // energy grows with the square of the way.
+  MatN3 as_far_as_allowed(const MatN3& least, const MatN3& wanted, double allowed) const;
+
+  std::vector<int> vertices_;
+  double radius_ = 0, rounding_ = 0;
+  MatX M_;
+  VecX a_;
+  MatN3 y_, p_;
+  Eigen::Matrix<double, Eigen::Dynamic, 7> Z_;  // M^-1 [a y p]
+  Eigen::FullPivLU<Mat6> lu_;                   // of C M^-1 C^T
+};
+
+Payers::Payers(const Cloth& cloth, std::vector<int> vertices, const Frame& frame)
+    : vertices_(std::move(vertices)), M_(MatX::Zero(n(), n())), a_(VecX::Zero(n())), y_(MatN3::Zero(n(), 3)), p_(y_) {
+  if (n() == 0) return;
+  const Mesh& mesh = cloth.mesh;
+  std::vector<int> faces;
+  for (const int v : vertices_) {
+    radius_ = std::max(radius_, (mesh.x[v] - frame.origin).norm());
+    for (const int h : mesh.outgoing(v)) faces.push_back(Mesh::face_of(h));
+  }
+  sort_unique(faces);
+  if (!(radius_ > 0)) radius_ = 1;
+  for (const int f : faces) {
+    const std::array<Vec3, 3> w = seen_velocities(cloth, f, frame);
+    const std::array<int, 3>& corners = mesh.face(f);
+    const double share = mesh.material_area(f) / 12;
+    const Vec3 x_sum = mesh.x[corners[0]] + mesh.x[corners[1]] + mesh.x[corners[2]] - 4 * frame.origin;
+    const Vec3 w_sum = w[0] + w[1] + w[2];
+    std::array<int, 3> place;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto found = std::lower_bound(vertices_.begin(), vertices_.end(), corners[k]);
+      place[k] = found != vertices_.end() && *found == corners[k] ? static_cast<int>(found - vertices_.begin()) : -1;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (place[k] < 0) continue;
+      a_[place[k]] += 4 * share;
+      y_.row(place[k]) += share / radius_ * (x_sum + mesh.x[corners[k]]);
+      p_.row(place[k]) += share * (w_sum + w[k]);
+      for (std::size_t j = 0; j < 3; ++j)
+        if (place[j] >= 0) M_(place[k], place[j]) += j == k ? 2 * share : share;
+    }
+    rounding_ += energy_rounding * share * (w_sum.squaredNorm() + w[0].squaredNorm() + w[1].squaredNorm());
+  }
+  MatX right(n(), 7);
+  right << a_, y_, p_;
+  Z_ = M_.llt().solve(right);
+  const Vec3 ay = y_.transpose() * Z_.col(0);
+  const Mat3 yy = y_.transpose() * Z_.middleCols<3>(1);
+  Mat6 S;
+  S << a_.dot(Z_.col(0)) * Mat3::Identity(), -cross_matrix(ay), cross_matrix(ay), yy.trace() * Mat3::Identity() - yy;
+  lu_.compute(S);
+}
+
+Vec6 Payers::carried(const MatN3& d) const {
+  Vec6 sum;
+  sum << d.transpose() * a_, Vec3::Zero();
+  for (int i = 0; i < n(); ++i) sum.tail<3>() += Vec3(y_.row(i)).cross(Vec3(d.row(i)));
   return sum;
+}
+
+MatN3 Payers::push(const Vec6& multipliers) const {
+  return Z_.col(0) * multipliers.head<3>().transpose() +
+         Z_.middleCols<3>(1) * cross_matrix(multipliers.tail<3>()).transpose();
+}
+
+MatN3 Payers::as_far_as_allowed(const MatN3& least, const MatN3& wanted, double allowed) const {
+  const double floor = energy(least), ceiling = energy(wanted);
+  if (ceiling <= allowed) return wanted;
+  const double way = std::sqrt(std::max(0.0, allowed - floor) / (ceiling - floor));
+  return least + std::min(1.0, way) * (wanted - least);
+}
+
+std::optional<MatN3> Payers::settle(const Debt& debt) const {
+  const Vec6 owed = in_radii(debt);
+  const MatN3 wanted = push(lu_.solve(owed));
+  if (energy(wanted) <= debt.energy + rounding_) return wanted;
+  const MatN3 rest = Z_.rightCols<3>();
+  const MatN3 least = push(lu_.solve(owed + carried(rest))) - rest;
+  if (energy(least) > debt.energy + rounding_) return std::nullopt;
+  return as_far_as_allowed(least, wanted, debt.energy);
+}
+
+MatN3 Payers::settle_linear(const Debt& debt) const {
+  const MatN3 rest = Z_.rightCols<3>();
+  const MatN3 least = push_linear(debt.linear + rest.transpose() * a_) - rest;
+  MatN3 wanted = push_linear(debt.linear);
+  if (carry_spin()) wanted = push(lu_.solve(in_radii(debt) + carried(rest))) - rest;
+  return as_far_as_allowed(least, wanted, debt.energy);
 }
 
 }  // namespace
 
-Momentum momentum(const Cloth& cloth, std::span<const int> faces, const Vec3& about) {
-  Momentum sum;
+Account account(const Cloth& cloth, std::span<const int> faces, const Frame& frame) {
+  Account sum;
   for (const int f : faces) {
-    const std::array<Vec3, 3> w = corner_velocities(cloth, f);
+    const std::array<Vec3, 3> w = seen_velocities(cloth, f, frame);
     const std::array<int, 3>& corners = cloth.mesh.face(f);
     const double area = cloth.mesh.material_area(f);
     const Vec3 total = w[0] + w[1] + w[2];
+    double squares = total.squaredNorm();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 x = cloth.mesh.x[corners[i]] - frame.origin;
+      sum.moment += area / 3 * x;
+      sum.angular += area / 12 * x.cross(total + w[i]);
+      squares += w[i].squaredNorm();
+    }
+    sum.area += area;
     sum.linear += area / 3 * total;
-    for (std::size_t i = 0; i < 3; ++i)
-      sum.angular += area / 12 * (cloth.mesh.x[corners[i]] - about).cross(total + w[i]);
+    sum.kinetic += area / 24 * squares;
   }
   return sum;
 }
 
-Vec3 total_linear_momentum(const Cloth& cloth) {
-  Vec3 sum = Vec3::Zero();
-  for (int f = 0; f < cloth.mesh.face_slots(); ++f) {
-    if (!cloth.mesh.face_live(f)) continue;
-    const std::array<Vec3, 3> w = corner_velocities(cloth, f);
-    sum += cloth.mesh.material_area(f) / 3 * (w[0] + w[1] + w[2]);
-  }
-  return sum;
+// Seen from a vertex, so that a cloth far away or in fast flight loses no digits; then from the centre of mass.
+Motion motion(const Cloth& cloth) {
+  std::vector<int> faces(static_cast<std::size_t>(cloth.mesh.face_slots()));
+  std::iota(faces.begin(), faces.end(), 0);
+  std::erase_if(faces, [&](int f) { return !cloth.mesh.face_live(f); });
+  if (faces.empty()) return {};
+  const int some = cloth.mesh.face(faces.front())[0];
+  const Frame frame{cloth.mesh.x[some], cloth.v[some]};
+  const Account seen = account(cloth, faces, frame);
+  Motion result;
+  result.area = seen.area;
+  result.centre = frame.origin + seen.moment / seen.area;
+  result.linear = seen.linear + seen.area * frame.velocity;
+  result.angular = seen.angular - seen.moment.cross(seen.linear) / seen.area;
+  result.kinetic = seen.kinetic + frame.velocity.dot(seen.linear) + 0.5 * seen.area * frame.velocity.squaredNorm();
+  return result;
 }
 
-// Unknowns: the velocity a at `about` and the spin times the patch radius R; v_i += a + spin x r_i. The rows are the
-// change of linear momentum and of angular momentum over R, so that the matrix has the one unit m^2.
-void repay(Cloth& cloth, const Momentum& debt, const Vec3& about, std::vector<int> vertices) {
-  if (debt.linear.isZero(0) && debt.angular.isZero(0)) return;
-  const std::vector<int> free = free_among(cloth, std::move(vertices));
-  double radius = 0;
-  for (const int v : free) radius = std::max(radius, (cloth.mesh.x[v] - about).norm());
-  if (free.empty() || !(radius > 0)) return;
-  Mat6 A = Mat6::Zero();
-  double area = 0;
-  for (const int v : free) {
-    const Inertia carried = inertia(cloth.mesh, v, about);
-    const Mat3 r = cross_matrix((cloth.mesh.x[v] - about) / radius), y = cross_matrix(carried.moment / radius);
-    area += carried.area;
-    A.topLeftCorner<3, 3>() += carried.area * Mat3::Identity();
-    A.topRightCorner<3, 3>() -= carried.area * r;
-    A.bottomLeftCorner<3, 3>() += y;
-    A.bottomRightCorner<3, 3>() -= y * r;
+void settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame, std::vector<int> patch) {
+  const Debt debt{before.linear - after.linear, before.angular - after.angular, before.kinetic - after.kinetic};
+  // What is only rounding is left alone: paying it back would only add to it.
+  const double linear_rounding = 64 * std::numeric_limits<double>::epsilon() *
+                                 std::sqrt(2 * std::max(before.kinetic, after.kinetic) * before.area);
+  if (debt.linear.norm() <= linear_rounding && debt.angular.norm() <= linear_rounding * std::sqrt(before.area) &&
+      -debt.energy <= energy_rounding * before.kinetic)
+    return;
+  sort_unique(patch);
+  const auto held = [&](int v) { return cloth.is_eol(v) || cloth.pins[v] != 0; };
+  for (int ring = 0; ring <= max_rings; ++ring) {
+    if (ring > 0) patch = with_neighbours(cloth.mesh, patch);
+    std::vector<int> free = patch;
+    std::erase_if(free, held);
+    const Payers payers(cloth, std::move(free), frame);
+    if (payers.carry_spin()) {
+      if (const std::optional<MatN3> change = payers.settle(debt)) return payers.apply(*change, cloth);
+    }
+    if (ring == max_rings && payers.n() > 0) payers.apply(payers.settle_linear(debt), cloth);
   }
-  const Eigen::FullPivLU<Mat6> lu(A);
-  const double smallest = std::abs(lu.matrixLU()(5, 5));
-  Vec6 motion = Vec6::Zero();
-  if (smallest > least_pivot_ratio * lu.maxPivot()) {
-    Vec6 wanted;
-    wanted << debt.linear, debt.angular / radius;
-    motion = lu.solve(wanted);
-  } else {
-    motion.head<3>() = debt.linear / area;
-  }
-  const Vec3 a = motion.head<3>(), spin = motion.tail<3>() / radius;
-  for (const int v : free) cloth.v[v] += a + spin.cross(cloth.mesh.x[v] - about);
 }
 
 }  // namespace crease

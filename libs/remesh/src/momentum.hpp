@@ -5,24 +5,32 @@
 #include <vector>
 
 #include "crease/geometry/cloth.hpp"
+#include "crease/remesh/remesh.hpp"
 
-// Momentum per unit density: integrals over the material of the world velocity w = xdot - F Xdot, linear on each face.
+// Momentum and energy per unit density: integrals over the material of the world velocity w = xdot - F Xdot, linear on
+// each face (consistent mass).
 namespace crease {
 
-struct Momentum {
-  Vec3 linear = Vec3::Zero();   ///< integral of w [m^3/s]
-  Vec3 angular = Vec3::Zero();  ///< integral of (x - about) x w, both linear on a face (consistent mass) [m^4/s]
+/// The frame in which an account is kept. One that moves with the cloth's mean velocity makes it the same for a cloth
+/// at rest and one in free fall.
+struct Frame {
+  Vec3 origin, velocity;
 };
-inline Momentum operator-(const Momentum& a, const Momentum& b) {
-  return {a.linear - b.linear, a.angular - b.angular};
-}
 
-Momentum momentum(const Cloth& cloth, std::span<const int> faces, const Vec3& about);
-Vec3 total_linear_momentum(const Cloth& cloth);
+/// What some faces carry, seen in the frame; angular momentum about its origin.
+struct Account {
+  double area = 0;
+  Vec3 moment = Vec3::Zero();  ///< integral of x
+  Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  double kinetic = 0;
+};
+Account account(const Cloth& cloth, std::span<const int> faces, const Frame& frame);
 
-/// Adds the rigid motion of the free vertices (Lagrangian, not pinned) among `vertices` that carries `debt`. Where they
-/// do not fix a rigid motion, as three in a line, they take the linear part only; where none is free, their neighbours
-/// pay.
-void repay(Cloth& cloth, const Momentum& debt, const Vec3& about, std::vector<int> vertices);
+/// Makes up for what an operation did to its patch: changes the velocities of the free vertices (Lagrangian, not
+/// pinned) among `patch`, by the least change of the velocity field, so that both momenta are as `before` and the
+/// kinetic energy is not above it. Where they cannot, first the vertices around them join in; then the energy comes
+/// before the angular momentum.
+/// @param before, after  accounts of the patch in `frame`, before the operation and now
+void settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame, std::vector<int> patch);
 
 }  // namespace crease

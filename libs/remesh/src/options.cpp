@@ -18,6 +18,7 @@ void require_valid(const AdaptOptions& options) {
   require(options.compression > 0, "adapt: expected compression > 0 m, got " + std::to_string(options.compression));
   require(options.aspect > 0 && options.aspect <= 1,
           "adapt: expected aspect in (0, 1], got " + std::to_string(options.aspect));
+  require(options.threshold > 0, "adapt: expected threshold > 0 m, got " + std::to_string(options.threshold));
 }
 
 void require_valid(const ConformOptions& options) {
@@ -25,6 +26,10 @@ void require_valid(const ConformOptions& options) {
           "conform: expected snap > 0 m, got " + std::to_string(options.snap));
   require(std::isfinite(options.merge) && options.merge > 0,
           "conform: expected merge > 0 m, got " + std::to_string(options.merge));
+  require(std::isfinite(options.look_ahead) && options.look_ahead >= 0,
+          "conform: expected look_ahead >= 0 s, got " + std::to_string(options.look_ahead));
+  require(std::isfinite(options.clearance) && options.clearance >= 0,
+          "conform: expected clearance >= 0 m, got " + std::to_string(options.clearance));
   require(options.border_angle_deg >= 0 && options.border_angle_deg < 90,
           "conform: expected border_angle_deg in [0, 90), got " + std::to_string(options.border_angle_deg));
 }
@@ -45,6 +50,14 @@ const char* to_string(RefusalReason reason) {
       return "at a corner of the cloth";
     case RefusalReason::WouldLoseChain:
       return "would lose the chain";
+    case RefusalReason::NotManifold:
+      return "would not be a manifold";
+    case RefusalReason::Pinned:
+      return "pinned";
+    case RefusalReason::WouldMoveSurface:
+      return "would move the surface";
+    case RefusalReason::NearObstacle:
+      return "would move the surface near an obstacle";
   }
   return "unknown";
 }

@@ -1,96 +1,159 @@
 // SPDX-License-Identifier: MIT
+#include "sizing.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "crease/geometry/triangle.hpp"
-#include "crease/remesh/remesh.hpp"
-#include "metric.hpp"
 #include "options.hpp"
 #include "transfer.hpp"
 
 // Notation: G = grad_X of a nodal quantity on a face (3x2); N = grad_X of the nodal normals; g_i = grad_X alpha_i, one
 // a row of a 3x2 matrix. A chain (tagged edges) is a fold that the mesh resolves exactly, so nothing here looks across
 // it: tagged edges have no dihedral angle, and nodal normals on a chain belong to one side of it.
+//
+// A term that asks for no edge below the longest allowed is left out before its tensor is made: the limits ask for that
+// much anyway, and on most of a sheet no other term is left.
 namespace crease {
 
 namespace {
 
-// The metric's edge length may grow by this factor from one edge to the next.
-constexpr double gradation = 1.4;
-constexpr int max_gradation_sweeps = 24;
+// Normals of the world surface; at a vertex on a chain each side has its own.
+struct Normals {
+  std::vector<Vec3> face;    // unit, zero where there is none
+  std::vector<Vec3> shared;  // unit
+  std::vector<int> corner;   // into `shared`, one a half-edge: its origin's
 
-// Unit normal at every half-edge's origin, as its face sees it: a mean over the faces that are reached round the
-// vertex without crossing a chain. Weights 1/(|e1|^2 |e2|^2) make it exact on a sphere.                        [MAX99]
-std::vector<Vec3> corner_normals(const Mesh& mesh) {
-  std::vector<Vec3> normals(static_cast<std::size_t>(3 * mesh.face_slots()), Vec3::Zero());
-  std::vector<int> sector;
-  const auto close_sector = [&] {
-    Vec3 sum = Vec3::Zero();
-    for (const int h : sector) {
-      const Vec3 e1 = mesh.x[mesh.to(h)] - mesh.x[mesh.from(h)], e2 = mesh.x[mesh.opposite(h)] - mesh.x[mesh.from(h)];
-      const double weight = e1.squaredNorm() * e2.squaredNorm();
-      if (weight > 0) sum += e1.cross(e2) / weight;
+  explicit Normals(const Mesh& mesh);
+  const Vec3& at(int h) const { return shared[corner[h]]; }
+
+ private:
+  void split_at_chain(const Mesh& mesh, int vertex);
+};
+
+// Below this ratio of altitude to edge the direction of a normal is rounding noise.
+constexpr double degenerate = 1e-13;
+
+// Area vector of a face, and for each corner a weight that makes vertex normals exact on a sphere: 1/(|e1|^2 |e2|^2)
+// with the two sides that meet there. [MAX99]
+struct WeightedNormal {
+  Vec3 normal, weights;
+  double longest2;  // squared longest side
+};
+
+WeightedNormal weighted_normal(const Mesh& mesh, int face) {
+  const auto x = world_corners(mesh, face);
+  const Vec3 a = x[1] - x[0], b = x[2] - x[0];
+  const Vec3 opposite2((b - a).squaredNorm(), b.squaredNorm(), a.squaredNorm());
+  const double product = opposite2.prod();
+  return {a.cross(b), product > 0 ? Vec3(opposite2 / product) : Vec3::Zero(), opposite2.maxCoeff()};
+}
+
+Normals::Normals(const Mesh& mesh)
+    : face(static_cast<std::size_t>(mesh.face_slots()), Vec3::Zero()),
+      shared(static_cast<std::size_t>(mesh.vertex_slots()), Vec3::Zero()),
+      corner(3 * face.size(), 0) {
+  std::vector<int> on_chain;
+  for (int f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.face_live(f)) continue;
+    const auto [normal, weights, longest2] = weighted_normal(mesh, f);
+    const double length = normal.norm();
+    if (length > degenerate * longest2) face[f] = normal / length;
+    for (int k = 0; k < 3; ++k) {
+      const int h = 3 * f + k, v = mesh.from(h);
+      corner[h] = v;
+      shared[v] += weights[k] * normal;
+      if (mesh.tag(h) != 0) on_chain.insert(on_chain.end(), {v, mesh.to(h)});
     }
-    const double length = sum.norm();
-    if (length > 0) sum /= length;
-    for (const int h : sector) normals[h] = sum;
-    sector.clear();
-  };
-  for (int v = 0; v < mesh.vertex_slots(); ++v) {
-    if (!mesh.vertex_live(v)) continue;
-    const int first = mesh.halfedge(v);
-    // Start behind a chain edge, so that no sector is cut by the place where the round begins.
-    int start = first, h = first;
-    do {
-      if (mesh.tag(h) != 0) start = h;
-      h = mesh.twin(Mesh::prev(h));
-    } while (h != Mesh::none && h != first);
-    if (h == Mesh::none) start = first;
-    h = start;
-    do {
-      if (mesh.tag(h) != 0 && !sector.empty()) close_sector();
-      sector.push_back(h);
-      h = mesh.twin(Mesh::prev(h));
-    } while (h != Mesh::none && h != start);
-    close_sector();
   }
-  return normals;
+  std::sort(on_chain.begin(), on_chain.end());
+  on_chain.erase(std::unique(on_chain.begin(), on_chain.end()), on_chain.end());
+  for (const int v : on_chain) split_at_chain(mesh, v);
+  for (Vec3& n : shared)
+    if (const double length = n.norm(); length > 0) n /= length;
 }
 
-Mat32 gradient(const std::array<Vec3, 3>& nodal, const Mat32& g) {
-  return nodal[0] * g.row(0) + nodal[1] * g.row(1) + nodal[2] * g.row(2);
+// One sum for every run of faces between two chain edges, in the order of outgoing(v). In the interior the first and
+// the last run are one unless a chain edge parts them.
+void Normals::split_at_chain(const Mesh& mesh, int vertex) {
+  std::vector<int> around = mesh.outgoing(vertex);
+  const auto begins_run = [&](int h) { return mesh.tag(h) != 0; };
+  if (!mesh.is_border_vertex(vertex))
+    std::rotate(around.begin(), std::find_if(around.begin(), around.end(), begins_run), around.end());
+  for (const int h : around) {
+    if (h == around.front() || begins_run(h)) shared.push_back(Vec3::Zero());
+    corner[h] = static_cast<int>(shared.size()) - 1;
+    const auto [normal, weights, longest2] = weighted_normal(mesh, Mesh::face_of(h));
+    shared.back() += weights[h % 3] * normal;
+  }
 }
 
-// Signed world dihedral of every edge, at its canonical half-edge: 0 at borders and chains.
+// The angle whose chord on the unit circle is c: a series that is good to 1e-7 up to 17 degrees, where nearly all folds
+// are, as the arc sine takes its time.
+double angle_of_chord(double c) {
+  const double c2 = c * c;
+  if (c2 < 0.09) return c * (1 + c2 / 24 * (1 + c2 * 9 / 80));
+  return 2 * std::asin(std::min(0.5 * c, 1.0));
+}
+
+// Signed world dihedral of every edge, at both its half-edges: 0 at borders and chains.
 std::vector<double> dihedrals(const Mesh& mesh, const std::vector<Vec3>& face_normals) {
-  std::vector<double> angles(static_cast<std::size_t>(3 * mesh.face_slots()), 0.0);
+  std::vector<double> angles(3 * face_normals.size(), 0.0);
   for (int h = 0; h < 3 * mesh.face_slots(); ++h) {
     const int g = mesh.twin(h);
     if (g <= h || mesh.tag(h) != 0 || !mesh.face_live(Mesh::face_of(h))) continue;
     const Vec3 &n0 = face_normals[Mesh::face_of(h)], &n1 = face_normals[Mesh::face_of(g)];
-    const Vec3 e = (mesh.x[mesh.to(h)] - mesh.x[mesh.from(h)]).normalized();
-    angles[h] = angles[g] = std::atan2(e.dot(n0.cross(n1)), n0.dot(n1));
+    if (n0.isZero(0) || n1.isZero(0)) continue;
+    const double angle = angle_of_chord((n1 - n0).norm());
+    const bool up = n0.cross(n1).dot(mesh.x[mesh.to(h)] - mesh.x[mesh.from(h)]) > 0;
+    angles[h] = angles[g] = up ? angle : -angle;
   }
   return angles;
 }
 
-// S^T S of the shape operator from the dihedral angles of the face's edges; it sees sawtooth folds, which average out
-// of nodal normals.
-Mat2 dihedral_curvature(const Mesh& mesh, int face, const std::vector<double>& angles, double area) {
-  Mat2 S = Mat2::Zero();
+// What all faces share while their tensors are made.
+struct Field {
+  const Cloth& cloth;
+  const Mesh& mesh;
+  const Normals normals;
+  const std::vector<double> angles;
+  const AdaptOptions& options;
+  const double least, most;  // eigenvalues of the longest and of the shortest edge
+
+  Field(const Cloth& cloth_, const AdaptOptions& options_)
+      : cloth(cloth_),
+        mesh(cloth.mesh),
+        normals(mesh),
+        angles(dihedrals(mesh, normals.face)),
+        options(options_),
+        least(1 / (options.size[1] * options.size[1])),
+        most(1 / (options.size[0] * options.size[0])) {}
+
+  Tensor face_tensor(int face, double area) const;
+  Tensor limited(const Tensor& M) const;
+};
+
+// S^2 of the shape operator from the dihedral angles of the face's edges; it sees sawtooth folds, which average out of
+// nodal normals.
+Tensor dihedral_curvature(const Field& field, int face, double area) {
+  Tensor S;
   for (int h = 3 * face; h < 3 * face + 3; ++h) {
-    if (angles[h] == 0) continue;
-    const Vec2 E = mesh.X[mesh.to(h)] - mesh.X[mesh.from(h)];
-    const Vec2 t(E.y(), -E.x());  // length |E|, so theta/2 |E| t t^T with unit t is theta/2 t t^T / |E|
-    S -= 0.5 * angles[h] / E.norm() * t * t.transpose();
+    if (field.angles[h] == 0) continue;
+    const Vec2 E = field.mesh.X[field.mesh.to(h)] - field.mesh.X[field.mesh.from(h)];
+    // theta/2 |E| t t^T with the unit normal t of E; t t^T is the disk of centre (t.x^2 - t.y^2, 2 t.x t.y) / 2.
+    const double squared = E.squaredNorm(), weight = 0.25 * field.angles[h] * std::sqrt(squared) / area;
+    const Vec2 centre(E.y() * E.y() - E.x() * E.x(), -2 * E.x() * E.y());
+    S = S - weight * Tensor{centre / squared, 1};
   }
-  S /= area;
-  return S * S;
+  return square(S);
+}
+
+Mat32 gradient(const Vec3& a, const Vec3& b, const Vec3& c, const Mat32& g) {
+  return (b - a) * g.row(1) + (c - a) * g.row(2);
 }
 
 // G without the rigid rotation that fits it best: a turning sheet asks for no refinement.
@@ -108,114 +171,85 @@ Mat32 without_spin(const Mat32& G, const Mat32& F) {
 
 // Edges short enough that the buckle which takes up a compression has an amplitude of at most c: per direction the
 // larger root m of c^2 m^2 + E m + K = 0, K the curvature across it, which stiffens like a rib.            [NARAIN12]
-Mat2 compression_tensor(const Mat32& F, const Mat2& NtN, double c) {
-  const Mat2 E = F.transpose() * F - Mat2::Identity();
-  const Mat2 K = NtN.trace() * Mat2::Identity() - NtN;
-  const Mat2 D = E * E - 4 * c * c * K;
-  const Mat2 root = map_eigenvalues(D, [](double l) { return std::copysign(std::sqrt(std::abs(l)), l); });
-  const Mat2 M = (root - E) / (2 * c * c);
-  return map_eigenvalues(M, [](double l) { return std::max(l, 0.0); });
+// E = F^T F - I, and K = tr(N^T N) I - N^T N.
+Tensor compression_tensor(const Tensor& E, const Tensor& NtN, double c) {
+  const Tensor K{-NtN.centre, NtN.radius};
+  const Tensor D = square(E) - 4 * c * c * K;
+  const Tensor root = map_eigenvalues(D, [](double l) { return std::copysign(std::sqrt(std::abs(l)), l); });
+  return map_eigenvalues(1 / (2 * c * c) * (root - E), [](double l) { return std::max(l, 0.0); });
 }
 
-Mat2 limited(const Mat2& M, const AdaptOptions& options) {
-  const double least = 1 / (options.size[1] * options.size[1]), most = 1 / (options.size[0] * options.size[0]);
-  if (!M.allFinite()) return least * Mat2::Identity();
-  const Spectrum s = spectrum(M);
-  const double large = std::clamp(s.large, least, most);
-  const double small = std::max(std::clamp(s.small, least, most), options.aspect * options.aspect * large);
-  return with_eigenvalues(s, large, small);
+Tensor Field::limited(const Tensor& M) const {
+  if (!M.centre.allFinite() || !std::isfinite(M.radius)) return Tensor::isotropic(least);
+  const double large = std::clamp(M.large(), least, most);
+  const double small = std::max(std::clamp(M.small(), least, most), options.aspect * options.aspect * large);
+  return with_eigenvalues(M, large, small);
 }
 
-Mat2 face_tensor(const Cloth& cloth, int face, const std::vector<double>& angles, const std::vector<Vec3>& normals,
-                 const AdaptOptions& options) {
-  const Mesh& mesh = cloth.mesh;
-  const Mat32 g = barycentric_gradients(material_corners(mesh, face));
-  const Mat32 F = gradient(world_corners(mesh, face), g);
-  const Mat32 N = gradient({normals[3 * face], normals[3 * face + 1], normals[3 * face + 2]}, g);
-  const Mat2 NtN = N.transpose() * N;
-  const Mat32 W = without_spin(gradient(corner_velocities(cloth, face), g), F);
+Tensor Field::face_tensor(int f, double area) const {
+  const Mat32 g = barycentric_gradients(material_corners(mesh, f));
+  const auto x = world_corners(mesh, f);
+  const Mat32 F = gradient(x[0], x[1], x[2], g);
+  const Tensor NtN = Tensor::gram(gradient(normals.at(3 * f), normals.at(3 * f + 1), normals.at(3 * f + 2), g));
   const double angle2 = options.angle * options.angle, speed2 = options.velocity * options.velocity;
-  const std::array<Mat2, 4> terms{dihedral_curvature(mesh, face, angles, mesh.material_area(face)) / angle2,
-                                  NtN / angle2, W.transpose() * W / speed2,
-                                  compression_tensor(F, NtN, options.compression)};
-  return limited(tensor_max(terms), options);
+  std::array<Tensor, 4> terms;
+  std::size_t n = 0;
+  const auto add = [&](const Tensor& term) {
+    if (!(term.large() <= least)) terms[n++] = term;
+  };
+  add(1 / angle2 * dihedral_curvature(*this, f, area));
+  add(1 / angle2 * NtN);
+  const auto w = corner_velocities(cloth, f);
+  const Mat32 G = gradient(w[0], w[1], w[2], g);
+  // Without the spin it is less; the larger eigenvalue of G^T G is at most its trace.
+  if (!(G.squaredNorm() <= least * speed2)) add(1 / speed2 * Tensor::gram(without_spin(G, F)));
+  // The larger root of the compression's polynomial is at most -E / c^2.
+  const Tensor E = Tensor::gram(F) - Tensor::isotropic(1);
+  const double c = options.compression;
+  if (!(-E.small() <= least * c * c)) add(compression_tensor(E, NtN, c));
+  return n == 0 ? Tensor::isotropic(least) : limited(tensor_max({terms.data(), n}));
 }
 
-// Log-Euclidean, area-weighted mean of the face tensors at each vertex: the mean of sizes, not of densities.
-std::vector<Mat2> vertex_means(const Mesh& mesh, const std::vector<Mat2>& faces) {
-  std::vector<Mat2> logs(static_cast<std::size_t>(mesh.vertex_slots()), Mat2::Zero());
+// Log-Euclidean, area-weighted mean of the face tensors at each vertex: the mean of sizes, not of densities. Where all
+// are the coarsest one there is nothing to average, and no rounding either.
+std::vector<Tensor> vertex_means(const Field& field) {
+  const Mesh& mesh = field.mesh;
+  const Tensor coarsest = Tensor::isotropic(field.least);
+  std::vector<Tensor> logs(static_cast<std::size_t>(mesh.vertex_slots()));
   std::vector<double> areas(logs.size(), 0.0);
+  std::vector<char> finer(logs.size(), 0);
+  const double log_least = std::log(field.least);
   for (int f = 0; f < mesh.face_slots(); ++f) {
     if (!mesh.face_live(f)) continue;
     const double area = mesh.material_area(f);
-    const Mat2 weighted = area * map_eigenvalues(faces[f], [](double l) { return std::log(l); });
+    const Tensor M = field.face_tensor(f, area);
+    const bool is_finer = M.radius > field.least;
+    const Tensor log =
+        is_finer ? map_eigenvalues(M, [](double l) { return std::log(l); }) : Tensor::isotropic(log_least);
     for (const int v : mesh.face(f)) {
-      logs[v] += weighted;
+      logs[v] = logs[v] + area * log;
       areas[v] += area;
+      finer[v] |= static_cast<char>(is_finer);
     }
   }
   for (std::size_t v = 0; v < logs.size(); ++v)
-    if (areas[v] > 0) logs[v] = map_eigenvalues(logs[v] / areas[v], [](double l) { return std::exp(l); });
+    logs[v] = finer[v] ? map_eigenvalues(1 / areas[v] * logs[v], [](double l) { return std::exp(l); }) : coarsest;
   return logs;
-}
-
-// A tensor with its eigenvalues, which say at once whether one can demand anything of another.
-struct Size {
-  Mat2 M;
-  double large, small;
-  explicit Size(const Mat2& tensor) : M(tensor) {
-    const Spectrum s = spectrum(tensor);
-    large = s.large;
-    small = s.small;
-  }
-};
-
-// Raises the tensor at `to` to what `from`, an edge e away, allows it to fall to. Returns whether it did.
-bool spread(const Size& from, Size& to, const Vec2& e) {
-  if (from.large <= to.small) return false;
-  const double growth = 1 + std::sqrt(e.dot(from.M * e)) * std::log(gradation);
-  if (from.large <= to.small * growth * growth) return false;
-  const std::array<Mat2, 2> both{from.M / (growth * growth), to.M};
-  const Mat2 raised = tensor_max(both);
-  // Changes this small decide no edge; they only keep the sweeps going.
-  if (raised.trace() <= to.M.trace() * (1 + 1e-6)) return false;
-  to = Size(raised);
-  return true;
-}
-
-void limit_gradation(const Mesh& mesh, std::vector<Mat2>& tensors, const AdaptOptions& options) {
-  if (options.size[1] <= options.size[0]) return;
-  std::vector<Size> sizes(tensors.begin(), tensors.end());
-  const std::vector<int> edges = mesh.edges();
-  for (int sweep = 0; sweep < max_gradation_sweeps; ++sweep) {
-    bool changed = false;
-    for (const int h : edges) {
-      const int a = mesh.from(h), b = mesh.to(h);
-      const Vec2 e = mesh.X[b] - mesh.X[a];
-      changed |= spread(sizes[a], sizes[b], e);
-      changed |= spread(sizes[b], sizes[a], e);
-    }
-    if (!changed) break;
-  }
-  for (std::size_t v = 0; v < tensors.size(); ++v) tensors[v] = sizes[v].M;
 }
 
 }  // namespace
 
+std::vector<Tensor> vertex_sizes(const Cloth& cloth, const AdaptOptions& options) {
+  std::vector<Tensor> sizes = vertex_means(Field(cloth, options));
+  if (options.size[1] > options.size[0]) limit_gradation(cloth.mesh, sizes);
+  return sizes;
+}
+
 std::vector<Mat2> sizing_field(const Cloth& cloth, const AdaptOptions& options) {
   require_valid(options);
-  const Mesh& mesh = cloth.mesh;
-  std::vector<Vec3> face_normals(static_cast<std::size_t>(mesh.face_slots()), Vec3::Zero());
-  for (int f = 0; f < mesh.face_slots(); ++f)
-    if (mesh.face_live(f)) face_normals[f] = face_normal(mesh, f);
-  const std::vector<double> angles = dihedrals(mesh, face_normals);
-  const std::vector<Vec3> normals = corner_normals(mesh);
-  std::vector<Mat2> faces(face_normals.size(), Mat2::Identity());
-  for (int f = 0; f < mesh.face_slots(); ++f)
-    if (mesh.face_live(f)) faces[f] = face_tensor(cloth, f, angles, normals, options);
-  std::vector<Mat2> tensors = vertex_means(mesh, faces);
-  limit_gradation(mesh, tensors, options);
-  return tensors;
+  std::vector<Mat2> matrices;
+  for (const Tensor& M : vertex_sizes(cloth, options)) matrices.push_back(M.matrix());
+  return matrices;
 }
 
 }  // namespace crease

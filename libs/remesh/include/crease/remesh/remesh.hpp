@@ -20,15 +20,32 @@ struct AdaptOptions {
   double velocity = 0.5;             ///< velocity difference allowed along an edge, rigid rotation removed [m/s]
   double compression = 0.005;        ///< amplitude of the wrinkle that takes up a compression [m]
   double aspect = 0.2;               ///< smallest ratio of the metric's two lengths
+  double threshold = 1e-3;           ///< contact threshold: near obstacles the surface may move by half of it [m]
+  bool conserve = true;              ///< flips and collapses keep momentum; false interpolates only, for comparison
 };
 
 struct ConformOptions {
-  double snap = 1e-3;            ///< features nearer to the cloth than this are made conformal (contact threshold) [m]
+  double snap = 1e-3;            ///< contact threshold; a feature nearer than a quarter of it is made conformal [m]
   double merge = 0.01;           ///< conformal vertices and others nearer than this in material space are merged [m]
   double border_angle_deg = 36;  ///< a chain meeting the border at less than this is not begun
+  double look_ahead = 0;         ///< what a moving chain would reach in this time is cleared out of its way as well [s]
+  double clearance = 0;          ///< ... but nothing farther from it than this [m]
 };
 
-enum class RefusalReason { BudgetSpent, WouldInvert, TooThin, NotConnected, NearBorder, AtCorner, WouldLoseChain };
+enum class RefusalReason {
+  BudgetSpent,
+  WouldInvert,
+  TooThin,
+  NotConnected,
+  NearBorder,
+  AtCorner,
+  WouldLoseChain,
+  NotManifold,
+  Pinned,
+  WouldMoveSurface,
+  NearObstacle
+};
+inline constexpr std::size_t n_refusal_reasons = 11;
 const char* to_string(RefusalReason reason);
 
 /// Something that could not be done, and where; the caller slows the step and tries again.
@@ -38,15 +55,28 @@ struct Refusal {
   Vec2 X = Vec2::Zero();
 };
 
+/// What a cloth carries, per unit density; w is the world velocity of the material.
+struct Motion {
+  double area = 0;              ///< of the material: mass [m^2]
+  Vec3 centre = Vec3::Zero();   ///< of mass [m]
+  Vec3 linear = Vec3::Zero();   ///< integral of w [m^3/s]
+  Vec3 angular = Vec3::Zero();  ///< integral of (x - centre) cross w [m^4/s]
+  double kinetic = 0;           ///< integral of w^2 / 2 [m^4/s^2]
+};
+Motion motion(const Cloth& cloth);
+
 struct RemeshReport {
   bool changed = false;  ///< topology, EOL set or any position
   int inserted = 0;      ///< new EOL vertices from contact
   int released = 0;      ///< EOL vertices made Lagrangian
   int splits = 0, flips = 0, collapses = 0;
   std::vector<Refusal> refusals;  ///< NearBorder and AtCorner are rules, not trouble: at most one of each is listed
-  std::vector<int> vertex_map;    ///< old -> new vertex (Mesh::none = gone); empty when nothing changed
-  double smallest_angle = 0;      ///< of the material triangles [rad]
-  Vec3 momentum_change = Vec3::Zero();  ///< linear, by the whole pass, per unit density [kg m/s / (kg/m^2)]
+  /// Flips and collapses that were due but not allowed, by RefusalReason; they are tried again in every pass.
+  std::array<int, n_refusal_reasons> kept_back{};
+  std::vector<int> vertex_map;          ///< old -> new vertex (Mesh::none = gone); empty when nothing changed
+  double smallest_angle = 0;            ///< of the material triangles [rad]
+  Motion before, after;                 ///< equal if nothing changed
+  Vec3 momentum_change = Vec3::Zero();  ///< after.linear - before.linear
 };
 
 struct RemeshResult {
@@ -61,12 +91,18 @@ std::vector<Mat2> sizing_field(const Cloth& cloth, const AdaptOptions& options);
 /// edges), pinned vertices, EOL vertices and material corners stay, but for one thing: a chain denser than its sizes
 /// ask for loses inner vertices, by collapses along itself. Ends by construction: a budget of operations proportional
 /// to the faces wanted; what was refused is reported.
-RemeshResult adapt(const Cloth& cloth, const AdaptOptions& options);
+///
+/// A split leaves the surface as it is and its velocities too. Flips and collapses keep linear momentum and never raise
+/// the kinetic energy. They keep angular momentum about the centre of mass wherever some velocity field on the new
+/// surface has it at no more energy: a sheet that turns rigidly about its centre and loses a bulge has none.
+/// @param obstacles  what flips and collapses must not touch; without them only the surface's own shape is guarded
+RemeshResult adapt(const Cloth& cloth, const AdaptOptions& options, std::span<const PosedObstacle> obstacles = {});
 
 /// Makes every sharp feature that the cloth touches a chain of mesh edges through EOL vertices: inserts where
-/// `contacts` say a feature is crossed nearer than `snap`, connects, merges what is too near, repairs thin triangles,
-/// releases EOL vertices that are no longer at home (their feature is gone, they stand at a material corner, or their
-/// chain has come within `merge` of a border that runs along it). New EOL vertices take the world velocity of the cloth
+/// `contacts` say a feature is crossed near enough, connects, merges what is too near, repairs thin triangles, releases
+/// EOL vertices that are no longer at home (their feature is gone, they stand at a material corner, or their
+/// chain has come within `merge` of a border that runs along it). A new EOL vertex stays where the surface is, up to a
+/// quarter of `snap` from its feature: the gap is the solver's to close. It takes the world velocity of the cloth
 /// there, as much of it as possible in Xdot (Eq. 13 with the real A_eq).
 RemeshResult conform(const Cloth& cloth, std::span<const Contact> contacts, std::span<const PosedObstacle> obstacles,
                      const ConformOptions& options);
