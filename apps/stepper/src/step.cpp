@@ -111,9 +111,11 @@ void read_multipliers(Work& work) {
   for (std::size_t r = 0; r < rows.in.size(); ++r)
     if (rows.in[r].kind == RowKind::EolNormal)
       report.edge_reaction += solution.lambda_in[static_cast<int>(r)] / work.h * rows.in[r].normal;
-  for (std::size_t r = 0; r < rows.eq.size(); ++r)
-    if (rows.eq[r].kind == RowKind::Pin)
-      report.pin_reaction += solution.lambda_eq[static_cast<int>(r)] / work.h * rows.eq[r].normal;
+  for (std::size_t r = 0; r < rows.eq.size(); ++r) {
+    const Vec3 force = solution.lambda_eq[static_cast<int>(r)] / work.h * rows.eq[r].normal;
+    if (rows.eq[r].kind == RowKind::Pin) report.pin_reaction += force;
+    if (rows.eq[r].kind == RowKind::EolHold) report.edge_reaction += force;
+  }
 }
 
 }  // namespace

@@ -30,8 +30,9 @@ struct SharpCorner {
 
 /// A sharp edge between two flat faces, or one segment of a wire.
 struct SharpEdge {
-  Vec3 a, b;                           ///< local end points [m]; the tangent runs from a to b
-  std::array<Vec3, 2> normals;         ///< unit outward normals of its two faces; unused on a wire
+  Vec3 a = Vec3::Zero(), b = Vec3::Zero();  ///< local end points [m]; the tangent runs from a to b
+  /// Unit outward normals of its two faces; zero on a wire.
+  std::array<Vec3, 2> normals{Vec3::Zero(), Vec3::Zero()};
   std::array<int, 2> corners{-1, -1};  ///< indices of the corners at a and b, -1 = none
   bool free_cone = false;              ///< true on a wire: any normal orthogonal to the tangent
 };
