@@ -6,6 +6,7 @@
 #include "crease/geometry/chain.hpp"
 #include "sliding_sheet.hpp"
 #include "support/meshes.hpp"
+#include "support/surface_change.hpp"
 
 namespace crease {
 namespace {
@@ -107,7 +108,7 @@ TEST(Conform, KeepsTheChainWhileTheSheetSlidesOver) {
         ASSERT_EQ(sheet.trouble(), std::nullopt) << "step " << steps;
         sheet.cloth = adapt(sheet.cloth, sizes).cloth;
         ASSERT_EQ(sheet.trouble(), std::nullopt) << "step " << steps;
-        // A tenth of `merge` is what is left right before a release at the border; elsewhere it is far more.
+        // A tenth of `merge` is what a thin triangle may keep before it is repaired at any price (0.15); mostly more.
         ASSERT_GE(sheet.room(), 0.1 * 0.01) << "step " << steps;
       }
       EXPECT_EQ(sheet.cloth.n_eol(), 0);
@@ -116,14 +117,55 @@ TEST(Conform, KeepsTheChainWhileTheSheetSlidesOver) {
   }
 }
 
+// The sheet hovers over the edge. Near enough, the chain begins where the surface is, and the solver closes the gap;
+// farther away it does not begin yet, so that what the stepper lets go at half the threshold is not caught again.
+TEST(Conform, BeginsAChainWithoutMovingTheSurface) {
+  for (const double gap : {0.2e-3, -0.2e-3, 0.3e-3}) {
+    SlidingSheet sheet({.pattern = GridPattern::Irregular, .angle = 20 * degree});
+    for (Vec3& x : sheet.cloth.mesh.x) x.z() += gap;
+    const RemeshResult result = sheet.conform({});
+    EXPECT_EQ(result.cloth.n_eol() > 0, gap < 0.25e-3);
+    EXPECT_LE(testing::surface_change(sheet.cloth.mesh, result.cloth.mesh).distance, 1e-15);
+    EXPECT_EQ(validate(result.cloth), std::nullopt);
+  }
+}
+
+// The hanging part is curved, so every vertex that the chain takes up is a kink that the surface loses.
+TEST(Conform, HardlyMovesACurvedSurfaceInTheChainsWay) {
+  for (const double curvature : {4.0, 10.0}) {
+    SCOPED_TRACE("curvature " + std::to_string(curvature));
+    SlidingSheet sheet({.pattern = GridPattern::Irregular, .angle = 20 * degree, .place = 0.4});
+    const double stride = 0.0005;
+    ConformOptions options;
+    options.look_ahead = 7 * stride / SlidingSheet::speed;
+    options.clearance = 0.02;
+    sheet.cloth = sheet.conform(options).cloth;
+    sheet.bend(-60 * degree, curvature);
+    double moved = 0;
+    for (int step = 0; step < 300; ++step) {
+      ASSERT_GE(sheet.room(), stride / 0.4) << "far less than a stride is left at step " << step;
+      sheet.slide(stride);
+      const RemeshResult result = sheet.conform(options);
+      moved = std::max(moved, testing::surface_change(sheet.cloth.mesh, result.cloth.mesh).distance);
+      sheet.cloth = result.cloth;
+    }
+    // A vertex goes at the distance need_share * 7 strides = 2.3 mm at the latest; edges of 50 mm meet at 0.05 *
+    // curvature.
+    EXPECT_LE(moved, 0.0023 * 0.05 * curvature);
+  }
+}
+
 // In the truth every point moves at constant speed on its side; every operation must reproduce that.
 TEST(Conform, SharesTheVelocityOfASlidingSheetExactly) {
   SlidingSheet sheet({.pattern = GridPattern::Irregular, .place = 0.613});
   sheet.cloth = sheet.conform({}).cloth;
   sheet.bend(-60 * degree);
-  for (int step = 0; step < 200; ++step) {
+  ConformOptions options;
+  options.look_ahead = 7 * 0.002 / SlidingSheet::speed;
+  options.clearance = 0.02;
+  for (int step = 0; step < 185; ++step) {  // until the chain comes near the border
     sheet.slide(0.002);
-    sheet.cloth = sheet.conform({}).cloth;
+    sheet.cloth = sheet.conform(options).cloth;
     for (int v = 0; v < sheet.cloth.mesh.n_vertices(); ++v) {
       if (sheet.cloth.is_eol(v)) {
         EXPECT_LE((sheet.cloth.V[v] + SlidingSheet::speed * sheet.across()).norm(), 1e-12);
@@ -153,8 +195,8 @@ TEST(Conform, ReleasesAChainThatReachesAParallelBorder) {
     }
   }
   EXPECT_EQ(sheet.cloth.n_eol(), 0);
-  // release_share of merge = 3.5 mm, met within one step of half a millimetre
-  EXPECT_NEAR(border_gap, 0.0035, 0.0006);
+  // release_share of merge = 7.5 mm, met within one step of half a millimetre
+  EXPECT_NEAR(border_gap, 0.0075, 0.0006);
   for (int pass = 0; pass < 3; ++pass) {
     const RemeshResult again = sheet.conform({});
     EXPECT_EQ(again.report.inserted, 0);

@@ -27,6 +27,7 @@ class SlidingSheet {
     int cells = 20;
     double angle = 0;    ///< of the sheet to the edge [rad]
     double fold = 0;     ///< [rad]
+    double curl = 0;     ///< curvature of the part beyond the edge, which is a circular cylinder [1/m]
     double place = 0.7;  ///< s of the sheet's centre at the start is place - 0.5, towards the table
   };
 
@@ -50,7 +51,10 @@ class SlidingSheet {
   Vec3 world(const Vec2& X) const {
     const double along = Vec2(std::sin(setup_.angle), std::cos(setup_.angle)).dot(X - Vec2(0.5, 0.5));
     const double d = s(X);
-    return d >= 0 ? Vec3(d, along, 0) : Vec3(d * std::cos(setup_.fold), along, d * std::sin(setup_.fold));
+    if (d >= 0) return {d, along, 0};
+    // Chord of the arc of length |d| that leaves the edge at the angle `fold`.
+    const double half = 0.5 * setup_.curl * d, chord = half == 0 ? d : d * std::sin(half) / half;
+    return {chord * std::cos(setup_.fold + half), along, chord * std::sin(setup_.fold + half)};
   }
   /// Velocity of the material on one side of the edge.
   Vec3 velocity(bool on_table) const {
@@ -58,8 +62,9 @@ class SlidingSheet {
   }
 
   /// Bends the sheet down behind its chain.
-  void bend(double fold) {
+  void bend(double fold, double curl = 0) {
     setup_.fold = fold;
+    setup_.curl = curl;
     place_all();
   }
 
@@ -75,6 +80,7 @@ class SlidingSheet {
         way /= way.dot(across());
       }
       cloth.mesh.X[v] -= d * way;
+      cloth.V[v] = -speed * way;
     }
     place_all();
   }

@@ -12,10 +12,10 @@ namespace {
 constexpr double merge_share_of_length = 0.01;
 /// ... but never more than this share of the shortest edge wanted, else every fine triangle would be merged away.
 constexpr double merge_share_of_size = 0.5;
-/// A fold that moves by s per step absorbs what is nearer than this many s, so that the step, which may cross 0.3 of a
+/// What a fold would reach in this many steps is cleared out of its way, so that a step, which may cross 0.3 of a
 /// triangle, need not be cut; up to this share of the longest edge wanted, beyond which it is cut.
-constexpr double merge_per_stride = 7;
-constexpr double merge_share_of_longest = 0.35;
+constexpr double steps_ahead = 7;
+constexpr double clearance_share_of_longest = 0.35;
 
 double material_length(const Cloth& cloth) {
   Vec2 low = cloth.mesh.X.front(), high = low;
@@ -24,13 +24,8 @@ double material_length(const Cloth& cloth) {
 }
 
 /// Distance under which conformal vertices and their neighbours are merged.
-double merge_distance(const Cloth& cloth, const AdaptOptions& options, double h) {
-  const double at_rest =
-      std::min(merge_share_of_length * material_length(cloth), merge_share_of_size * options.size[0]);
-  double stride = 0;
-  for (const Vec2& V : cloth.V) stride = std::max(stride, h * V.norm());
-  const double longest = std::max(at_rest, merge_share_of_longest * options.size[1]);
-  return std::clamp(merge_per_stride * stride, at_rest, longest);
+double merge_distance(const Cloth& cloth, const AdaptOptions& options) {
+  return std::min(merge_share_of_length * material_length(cloth), merge_share_of_size * options.size[0]);
 }
 
 /// Two passes as one: the second starts from the first one's result.
@@ -69,18 +64,22 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
       return detector->detect(cloth, obstacles, {threshold, h});
     };
   }
+  AdaptOptions adapt_options = spec.adapt;
+  adapt_options.threshold = scene.threshold;
   if (spec.remeshing == RemeshMethod::Adaptive)
-    stages.remesh = [options = spec.adapt](const Cloth& cloth, std::span<const Contact>, std::span<const PosedObstacle>,
-                                           double) { return adapt(cloth, options); };
+    stages.remesh = [options = adapt_options](const Cloth& cloth, std::span<const Contact>,
+                                              std::span<const PosedObstacle> obstacles,
+                                              double) { return adapt(cloth, options, obstacles); };
   if (spec.remeshing == RemeshMethod::Conformal)
-    stages.remesh = [options = spec.adapt, snap = scene.threshold](const Cloth& cloth,
-                                                                   std::span<const Contact> contacts,
-                                                                   std::span<const PosedObstacle> obstacles, double h) {
+    stages.remesh = [options = adapt_options](const Cloth& cloth, std::span<const Contact> contacts,
+                                              std::span<const PosedObstacle> obstacles, double h) {
       ConformOptions conform_options;
-      conform_options.snap = snap;
-      conform_options.merge = merge_distance(cloth, options, h);
+      conform_options.snap = options.threshold;
+      conform_options.merge = merge_distance(cloth, options);
+      conform_options.look_ahead = steps_ahead * h;
+      conform_options.clearance = clearance_share_of_longest * options.size[1];
       RemeshResult conformed = conform(cloth, contacts, obstacles, conform_options);
-      RemeshResult adapted = adapt(conformed.cloth, options);
+      RemeshResult adapted = adapt(conformed.cloth, options, obstacles);
       return chain_passes(std::move(conformed), std::move(adapted));
     };
   auto solver = std::shared_ptr<QpSolver>(make_qp_solver(scene.qp));

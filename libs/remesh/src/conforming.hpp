@@ -17,9 +17,9 @@ namespace crease {
 // -- shares of `merge` (material space)
 // ---------------------------------------------------------------------------------
 /// A chain this near to a border that runs along it, or to a material corner, is released.
-inline constexpr double release_share = 0.35;
+inline constexpr double release_share = 0.75;
 /// Nothing is inserted nearer to such a border than this: the gap to release_share is the hysteresis.
-inline constexpr double insert_border_share = 0.5;
+inline constexpr double insert_border_share = 1;
 /// A crossing this near to an end of its cloth edge makes that end the EOL vertex, instead of a new one beside it.
 inline constexpr double adopt_share = 0.25;
 /// Neighbours on a chain nearer than this become one. Below sqrt(1 - thin_share^2): see merge.cpp.
@@ -28,10 +28,17 @@ inline constexpr double chain_merge_share = 0.75;
 inline constexpr double thin_share = 0.5;
 /// ... by force, below this.
 inline constexpr double forced_share = 0.3;
+/// ... whatever it does to the surface, below this.
+inline constexpr double last_share = 0.15;
 /// What is left below this is reported.
 inline constexpr double report_share = 0.2;
 // -- shares of `snap` (world)
 // -------------------------------------------------------------------------------------------
+/// A vertex begins to ride on a feature when the cloth has come nearer to it than this; it stays where the surface is,
+/// and the solver's rows close the gap. Half of what ends the ride: the stepper releases at 0.5.
+inline constexpr double begin_share = 0.25;
+/// The same beside two vertices that ride already: between them the cloth belongs to the chain.
+inline constexpr double link_share = 0.45;
 /// An EOL vertex farther than this from its feature has left it.
 inline constexpr double leave_share = 2;
 // -- share of the border angle

@@ -18,8 +18,6 @@ namespace crease {
 
 namespace {
 
-// Cloth on the feature may be farther from it than this share of `snap` between two EOL vertices.
-constexpr double walk_share = 2;
 // A walk meets a vertex, not the edges beside it, within this share of `merge`.
 constexpr double vertex_share = 0.1;
 // Ends every walk; a link longer than this many triangles is none.
@@ -101,7 +99,8 @@ bool Linker::could_follow(int p, int q) const {
 }
 
 bool Linker::lies_near(const Vec3& x) const {
-  return (x - nearest_on(feature_, c_.obstacles, x)).norm() <= walk_share * c_.options.snap;
+  return stand_off(feature_, c_.obstacles, x) <= link_share * c_.options.snap &&
+         (x - nearest_on(feature_, c_.obstacles, x)).norm() <= leave_share * c_.options.snap;
 }
 
 // Turned away from the obstacle; zero on a wire, which has no side.

@@ -2,6 +2,7 @@
 #include "features.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -29,6 +30,23 @@ Vec3 nearest_on(const FeatureId& feature, Obstacles obstacles, const Vec3& x) {
     return obstacle.pose.to_world(obstacle.shape->corners[feature.index].position);
   const WorldEdge edge = world_edge(feature, obstacles);
   return edge.a + std::clamp(edge.parameter(x), 0.0, edge.length) * edge.tangent;
+}
+
+double stand_off(const FeatureId& feature, Obstacles obstacles, const Vec3& x) {
+  const PosedObstacle& obstacle = obstacles[feature.obstacle];
+  const Vec3 away = x - nearest_on(feature, obstacles, x);
+  std::span<const Vec3> normals;
+  if (feature.kind == FeatureKind::Corner) {
+    normals = obstacle.shape->corners[feature.index].normals;
+  } else if (const SharpEdge& edge = obstacle.shape->edges[feature.index]; !edge.free_cone) {
+    normals = edge.normals;
+  }
+  if (normals.empty()) return away.norm();
+  const Vec3 local = obstacle.pose.rotation.transpose() * away;
+  if (normals.size() == 1) return std::copysign(away.norm(), normals.front().dot(local));
+  double largest = normals.front().dot(local);
+  for (const Vec3& n : normals) largest = std::max(largest, n.dot(local));
+  return largest;
 }
 
 Vec3 velocity_at(const FeatureId& feature, Obstacles obstacles, const Vec3& x) {

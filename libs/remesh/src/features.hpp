@@ -26,6 +26,10 @@ WorldEdge world_edge(const FeatureId& edge, Obstacles obstacles);
 /// The point of the feature that is closest to x.
 Vec3 nearest_on(const FeatureId& feature, Obstacles obstacles, const Vec3& x);
 
+/// How far x stands off the feature: the largest of its signed distances from the planes that meet there, as the solver
+/// sees them; the distance from a wire; that from a point, negative behind it [m].
+double stand_off(const FeatureId& feature, Obstacles obstacles, const Vec3& x);
+
 /// Velocity of the feature's obstacle at x.
 Vec3 velocity_at(const FeatureId& feature, Obstacles obstacles, const Vec3& x);
 

@@ -83,9 +83,10 @@ double adopt_reach(const Conforming& c, int h) {
   return c.merge(c.mesh().is_border(h) ? 2 * adopt_share : adopt_share);
 }
 
+// The sign of the gap tells in from out: what is inside has to come out, what is outside has to arrive first.
 bool wanted(const Conforming& c, const Contact& contact, FeatureKind kind) {
-  return contact.feature.kind == kind && std::abs(contact.distance) <= c.options.snap &&
-         exists(contact.feature, c.obstacles);
+  return contact.feature.kind == kind && contact.distance <= begin_share * c.options.snap &&
+         contact.distance >= -c.options.snap && exists(contact.feature, c.obstacles);
 }
 
 // Border ends first, since inner edges cannot move them; then the nearest ends, so that vertices move least.
@@ -152,6 +153,26 @@ bool adopt_nearest(Conforming& c, int face, const SurfacePoint& point, const Fea
   return adopt(c, v, point, corner, false);
 }
 
+// A new vertex at the point of a face. Next to a side the side is split and the vertex moved to its place: one inside
+// the face would leave a sliver.
+int split_at(Conforming& c, int face, const SurfacePoint& point) {
+  for (int k = 0; k < 3; ++k) {
+    const int h = 3 * face + k;
+    const Vec2 start = c.mesh().X[c.mesh().from(h)], e = c.mesh().X[c.mesh().to(h)] - start;
+    if (cross2(e, point.X - start) / e.norm() > c.merge(adopt_share)) continue;
+    const double t = e.dot(point.X - start) / e.squaredNorm();
+    if (c.mesh().is_border(h) || c.mesh().tag(h) != 0 || !c.mesh().can_split(h, t)) continue;
+    const int v = c.editor.split(h, t).vertex;
+    if (can_slide(c.mesh(), v, point.X)) {
+      c.editor.slide(v, point.X, point.x, point.v);
+      return v;
+    }
+    return Mesh::none;
+  }
+  const Vec3 b = barycentric(material_corners(c.mesh(), face), point.X);
+  return c.mesh().can_split_face(face, b) ? c.editor.split_face(face, b).vertex : Mesh::none;
+}
+
 void insert_corner(Conforming& c, const Contact& contact) {
   Vec2 P = Vec2::Zero();
   for (int k = 0; k < 3; ++k) P += contact.weights[k] * c.mesh().X[contact.vertices[k]];
@@ -173,21 +194,13 @@ void insert_corner(Conforming& c, const Contact& contact) {
     return;
   }
   if (adopt_nearest(c, face, point, contact.feature)) return;
-  int v = Mesh::none;
-  for (int k = 0; k < 3 && v == Mesh::none; ++k) {
-    // Next to a side, the side is split: its own vertices would leave a sliver.
-    const int h = 3 * face + k;
-    const Vec2 e = c.mesh().X[c.mesh().to(h)] - c.mesh().X[c.mesh().from(h)];
-    const double altitude = cross2(e, P - c.mesh().X[c.mesh().from(h)]) / e.norm();
-    if (altitude > c.merge(adopt_share) || c.mesh().is_border(h) || c.mesh().tag(h) != 0) continue;
-    v = insert_on_edge(c, h, e.dot(P - c.mesh().X[c.mesh().from(h)]) / e.squaredNorm(), contact.feature);
+  const int v = split_at(c, face, point);
+  if (v == Mesh::none) {
+    c.editor.refuse(RefusalReason::WouldInvert, Mesh::none, P);
+    return;
   }
-  if (v == Mesh::none && c.mesh().can_split_face(face, b)) {
-    v = c.editor.split_face(face, b).vertex;
-    c.editor.ride(v, contact.feature, nearest_on(contact.feature, c.obstacles, point.x));
-    c.newcomers.push_back(v);
-  }
-  if (v == Mesh::none) c.editor.refuse(RefusalReason::WouldInvert, Mesh::none, P);
+  c.editor.ride(v, contact.feature, c.mesh().x[v]);
+  c.newcomers.push_back(v);
 }
 
 }  // namespace
@@ -233,7 +246,7 @@ bool adopt(Conforming& c, int vertex, const SurfacePoint& point, const FeatureId
       c.editor.slide(vertex, point.X, point.x, point.v);
     }
   }
-  c.editor.ride(vertex, feature, nearest_on(feature, c.obstacles, c.mesh().x[vertex]));
+  c.editor.ride(vertex, feature, c.mesh().x[vertex]);
   c.newcomers.push_back(vertex);
   return true;
 }
@@ -241,7 +254,7 @@ bool adopt(Conforming& c, int vertex, const SurfacePoint& point, const FeatureId
 int insert_on_edge(Conforming& c, int h, double t, const FeatureId& feature) {
   if (!c.mesh().can_split(h, t)) return Mesh::none;
   const int v = c.editor.split(h, t).vertex;
-  c.editor.ride(v, feature, nearest_on(feature, c.obstacles, c.mesh().x[v]));
+  c.editor.ride(v, feature, c.mesh().x[v]);
   c.newcomers.push_back(v);
   return v;
 }

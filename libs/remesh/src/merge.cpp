@@ -8,6 +8,7 @@
 #include "crease/geometry/triangle.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
+#include "shift.hpp"
 
 // Keeps the way of a chain through the material open. An EOL vertex may move per step by a share of its height over the
 // triangles ahead, and they shrink as it moves: whatever comes near is absorbed.
@@ -19,8 +20,12 @@
 //    of its edge, or r would be near one of them; so it is not merged away again, and each vertex is absorbed once;
 //  - an obtuse triangle whose longest side faces the chain is flipped.
 // Absorbing removes a vertex, merging too, a flip raises the smallest altitude by a fixed factor; a budget ends it in
-// any case. Permission to move the surface grows as room shrinks: a small dent in the cloth is better than a step that
-// cannot be taken.
+// any case.
+//
+// What this may do to the surface. A vertex taken out at the distance d from the chain, where the facets meet at the
+// angle a, moves the surface by about d sin a. So there are two distances: within `merge`, or what the chain would
+// reach in the time ahead, a vertex goes if nobody will see it; only within the few steps that the chain needs to go on
+// does it go at any price, and the way that moves the surface least is taken, mostly to its own foot on the chain.
 namespace crease {
 
 namespace {
@@ -29,18 +34,22 @@ namespace {
 constexpr double flip_gain = 1.2;
 // Absorbing into an existing vertex leaves at least this share of `merge` of altitude, or a foot is tried.
 constexpr double good_altitude_share = 0.8;
+// ... and moves the surface by no more than this share of `snap`.
+constexpr double good_shift_share = 0.1;
 // A foot nearer to an end of its chain edge than this share of `merge` is that end.
 constexpr double least_foot_share = 0.5;
+// Way that a chain cannot do without, as a share of what it would reach in the time ahead: of seven steps 4.55, since
+// one may cross 0.3 of a triangle and the next look is a step away.
+constexpr double need_share = 0.65;
 // Operations per EOL vertex and call.
 constexpr int budget_per_vertex = 10;
 constexpr int least_budget = 50;
 
 // How much the surface may change.
 struct Permission {
-  double turn;      // of a face normal [rad]
-  double shift;     // of the removed vertex [m]
-  double dihedral;  // across a flipped edge [rad]
-  double angle;     // that a triangle may have, or it had less before [rad]
+  double turn;   // of a face normal, or across a flipped edge [rad]
+  double shift;  // of the surface in the world [m]
+  double angle;  // that a triangle may have, or it had less before [rad]
 };
 
 class Merger {
@@ -54,17 +63,24 @@ class Merger {
     int into = Mesh::none, edge = Mesh::none;
     double t = 0;
     double altitude = 0;  // smallest that it leaves [m]
+    double shift = 0;     // of the surface [m]
+    bool is_better_than(const Way& other) const {
+      return altitude > 0 &&
+             (other.altitude == 0 || shift < other.shift || (shift == other.shift && altitude > other.altitude));
+    }
   };
   const Cloth& cloth() const { return c_.cloth(); }
   const Mesh& mesh() const { return c_.mesh(); }
   double distance(int a, int b) const { return (mesh().X[b] - mesh().X[a]).norm(); }
 
+  double clearance(int v) const;
+  double way(double share) const { return share * clear_; }
   Permission permission(double room) const;
   bool settle(int v);
   bool shorten_chain(int v);
   bool drop_dangling(int v, int q);
   bool absorb_neighbours(int v);
-  double altitude_after(int r, const Target& target, const Permission& allowed) const;
+  void judge(Way& way, int r, const Target& target, const Permission& allowed) const;
   Way best_vertex(int r, const Permission& allowed) const;
   Way best_foot(int r, const Permission& allowed) const;
   bool absorb(int r, double room);
@@ -75,12 +91,19 @@ class Merger {
 
   Conforming& c_;
   int budget_ = 0;
+  double clear_ = 0;  // clearance() of the vertex that is being settled [m]
+  double need_ = 0;   // what it needs to go on [m]
 };
 
+// What the vertex would reach in the time ahead, between `merge` and the limit given for it.
+double Merger::clearance(int v) const {
+  const double ahead = c_.options.look_ahead * cloth().V[v].norm();
+  return std::max(c_.options.merge, std::min(ahead, c_.options.clearance));
+}
+
 Permission Merger::permission(double room) const {
-  if (room < c_.merge(forced_share)) return {1.2, c_.merge(0.5), 1.2, 0};
-  if (room < c_.merge(thin_share)) return {0.9, c_.merge(0.3), 0.7, 0.5 * least_angle};
-  return {0.35, c_.merge(0.1), flip_dihedral, least_angle};
+  if (room < need_) return {1.2, c_.merge(0.5), 0};
+  return {0.35, good_shift_share * c_.options.snap, least_angle};
 }
 
 // Height of corner v over the opposite side of a face.
@@ -94,7 +117,7 @@ double Merger::height(int face, int v) const {
 // Parameter of r's foot on edge h if it is well inside.
 std::optional<double> Merger::foot(int h, int r) const {
   const Vec2 a = mesh().X[mesh().from(h)], e = mesh().X[mesh().to(h)] - a;
-  const double length = e.norm(), along = e.dot(mesh().X[r] - a) / length, margin = c_.merge(least_foot_share);
+  const double length = e.norm(), along = e.dot(mesh().X[r] - a) / length, margin = way(least_foot_share);
   if (along < margin || along > length - margin) return std::nullopt;
   return along / length;
 }
@@ -109,8 +132,9 @@ bool Merger::shorten_chain(int v) {
     if (cloth().feature[gone].kind != FeatureKind::Edge || cloth().pins[gone] != 0) return;
     if (mesh().is_border_vertex(gone) || !mesh().can_collapse_vertex(gone, into)) return;
     const Ring ring = ring_after(cloth(), gone, at_vertex(mesh(), into));
-    const Permission allowed = permission(c_.merge(thin_share));
-    if (!ring.sound || ring.turn > allowed.turn || ring.shift > allowed.shift) return;
+    const Permission allowed = permission(c_.merge(forced_share));
+    if (!ring.sound || ring.turn > allowed.turn) return;
+    if (shift_after(cloth(), gone, at_vertex(mesh(), into), ring) > allowed.shift) return;
     if (!best || ring.altitude > best->altitude) best = Merge{gone, into, ring.altitude};
   };
   for (const int q : mesh().neighbours(v)) {
@@ -143,14 +167,14 @@ bool Merger::absorb_neighbours(int v) {
   for (const int h : mesh().outgoing(v)) {
     for (const int r : {mesh().to(h), mesh().opposite(h)}) {
       if (cloth().is_eol(r)) continue;
-      if (const double d = distance(v, r); d < c_.options.merge) near.emplace_back(d, r);
+      if (const double d = distance(v, r); d < clear_) near.emplace_back(d, r);
     }
     // The two faces of a chain edge, each seen from one of its ends.
     for (const int side : {h, mesh().twin(h)}) {
       if (side == Mesh::none || mesh().tag(side) == 0) continue;
       const int r = mesh().opposite(side);
       const double d = height(Mesh::face_of(side), r);
-      if (!cloth().is_eol(r) && d < c_.merge(thin_share) && foot(side, r)) near.emplace_back(d, r);
+      if (!cloth().is_eol(r) && d < way(thin_share)) near.emplace_back(d, r);
     }
   }
   std::sort(near.begin(), near.end());
@@ -160,19 +184,21 @@ bool Merger::absorb_neighbours(int v) {
 }
 
 // Triangles may stay as thin as they were: another vertex may be the cause, and its turn comes.
-double Merger::altitude_after(int r, const Target& target, const Permission& allowed) const {
+void Merger::judge(Way& way, int r, const Target& target, const Permission& allowed) const {
   const Ring ring = ring_after(cloth(), r, target);
-  if (!ring.sound || ring.turn > allowed.turn || ring.shift > allowed.shift) return 0;
-  if (ring.angle < std::min(allowed.angle, ring.angle_before)) return 0;
-  return ring.altitude >= std::min(c_.merge(thin_share), ring.altitude_before) ? ring.altitude : 0;
+  if (!ring.sound || ring.turn > allowed.turn || ring.angle < std::min(allowed.angle, ring.angle_before)) return;
+  if (ring.altitude < std::min(clear_ * thin_share, ring.altitude_before)) return;
+  way.shift = shift_after(cloth(), r, target, ring);
+  if (way.shift <= allowed.shift) way.altitude = ring.altitude;
 }
 
 Merger::Way Merger::best_vertex(int r, const Permission& allowed) const {
   Way best;
   for (const int p : mesh().neighbours(r)) {
     if (!cloth().is_eol(p) || !mesh().can_collapse_vertex(r, p)) continue;
-    const double altitude = altitude_after(r, at_vertex(mesh(), p), allowed);
-    if (altitude > best.altitude) best = {p, Mesh::none, 0, altitude};
+    Way way{.into = p};
+    judge(way, r, at_vertex(mesh(), p), allowed);
+    if (way.is_better_than(best)) best = way;
   }
   return best;
 }
@@ -186,8 +212,9 @@ Merger::Way Merger::best_foot(int r, const Permission& allowed) const {
     if (mesh().tag(h) == 0 || !t || !mesh().can_split(h, *t)) continue;
     // After the split the new vertex sees r and the vertex across; were those two joined, the collapse could not be.
     if (g != Mesh::none && mesh().find_edge(r, mesh().opposite(g)) != Mesh::none) continue;
-    const double altitude = altitude_after(r, on_edge(mesh(), mesh().from(h), mesh().to(h), *t), allowed);
-    if (altitude > best.altitude) best = {Mesh::none, h, *t, altitude};
+    Way way{.edge = h, .t = *t};
+    judge(way, r, on_edge(mesh(), mesh().from(h), mesh().to(h), *t), allowed);
+    if (way.is_better_than(best)) best = way;
   }
   return best;
 }
@@ -196,7 +223,8 @@ bool Merger::absorb(int r, double room) {
   if (cloth().pins[r] != 0 || (mesh().is_border_vertex(r) && mesh().is_material_corner(r))) return false;
   const Permission allowed = permission(room);
   const Way vertex = best_vertex(r, allowed), foot = best_foot(r, allowed);
-  if (vertex.altitude > 0 && vertex.altitude >= std::min(c_.merge(good_altitude_share), foot.altitude)) {
+  const bool good = vertex.altitude >= way(good_altitude_share) && vertex.shift <= good_shift_share * c_.options.snap;
+  if (vertex.altitude > 0 && (good || !foot.is_better_than(vertex))) {
     c_.editor.collapse(r, vertex.into);
     return true;
   }
@@ -209,15 +237,16 @@ bool Merger::absorb(int r, double room) {
 bool Merger::open_faces(int v) {
   for (const int out : mesh().outgoing(v)) {
     const double room = height(Mesh::face_of(out), v);
-    if (room >= c_.merge(thin_share)) continue;
+    if (room >= way(thin_share)) continue;
     int longest = out;
     for (const int h : {Mesh::next(out), Mesh::prev(out)})
       if (mesh().material_length(h) > mesh().material_length(longest)) longest = h;
     const FlipCheck check = flip_check(cloth(), longest);
     const Permission allowed = permission(room);
-    if (!check.sound || check.dihedral > allowed.dihedral || check.altitude < flip_gain * check.altitude_before)
+    if (!check.sound || check.dihedral > allowed.turn || flip_shift(mesh(), longest) > allowed.shift ||
+        check.altitude < flip_gain * check.altitude_before)
       continue;
-    if (room >= c_.merge(forced_share)) {
+    if (room >= way(forced_share)) {
       // What adapt() would flip back is left alone.
       const auto& X = mesh().X;
       const int other = mesh().opposite(mesh().twin(longest));
@@ -233,6 +262,8 @@ bool Merger::open_faces(int v) {
 
 bool Merger::settle(int v) {
   bool changed = false;
+  clear_ = clearance(v);
+  need_ = std::max(c_.merge(last_share), need_share * c_.options.look_ahead * cloth().V[v].norm());
   while (mesh().vertex_live(v) && cloth().is_eol(v) && budget_ > 0) {
     if (!shorten_chain(v) && !absorb_neighbours(v) && !open_faces(v)) break;
     changed = true;

@@ -30,13 +30,11 @@ bool hugs_border(const Conforming& c, int v) {
   return false;
 }
 
-// A chain that meets the border crosswise ends there in a vertex, into which this one will be merged.
+// A chain that meets the border crosswise ends there in a vertex; at which angle is asked separately.
 bool ends_at_border_beside(const Conforming& c, int v) {
   const Mesh& mesh = c.mesh();
   for (const int u : mesh.neighbours(v))
-    if (mesh.tag(mesh.find_edge(v, u)) != 0 && mesh.is_border_vertex(u) &&
-        (mesh.X[u] - mesh.X[v]).norm() < c.options.merge)
-      return true;
+    if (mesh.tag(mesh.find_edge(v, u)) != 0 && mesh.is_border_vertex(u)) return true;
   return false;
 }
 
