@@ -32,6 +32,8 @@ inline constexpr double forced_share = 0.3;
 inline constexpr double last_share = 0.15;
 /// What is left below this is reported.
 inline constexpr double report_share = 0.2;
+/// A chain stops this near to another one that it crosses, and begins again only where it is this far from it.
+inline constexpr double cross_share = 0.35, cross_insert_share = 0.6;
 // -- shares of `snap` (world)
 // -------------------------------------------------------------------------------------------
 /// A vertex begins to ride on a feature when the cloth has come nearer to it than this; it stays where the surface is,
@@ -70,6 +72,11 @@ struct SurfacePoint {
   Vec3 x, v;
 };
 SurfacePoint on_edge_point(const Cloth& cloth, int h, double t);
+
+/// Whether a chain of another feature, which comes first and does not meet this one in a corner, passes within `reach`
+/// of P in a face of `vertex`. Where two chains cross no vertex can ride on both: the second one stops beside the
+/// first.
+bool passes_by(const Conforming& c, int vertex, const Vec2& P, const FeatureId& feature, double reach);
 
 // -- stages
 // ---------------------------------------------------------------------------------------------------------------

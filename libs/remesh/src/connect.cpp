@@ -136,6 +136,7 @@ bool Linker::is_on_feature(int p, int q) const {
     }
     const int h = exit.halfedge, g = mesh().twin(h);
     const Vec3 x = (1 - exit.t) * mesh().x[mesh().from(h)] + exit.t * mesh().x[mesh().to(h)];
+    if (mesh().tag(h) != 0 && lies_near(x)) c_.editor.refuse_once(RefusalReason::NotConnected, mesh().X[p]);
     if (g == Mesh::none || mesh().tag(h) != 0 || !lies_near(x)) return false;
     const int apex = mesh().opposite(g);
     if (apex == q) return true;
@@ -166,6 +167,7 @@ int Linker::step_to_vertex(int p, int u, int q) {
     const Vec2 d = (mesh().X[q] - mesh().X[p]).normalized();
     const SurfacePoint here{mesh().X[u], mesh().x[u], c_.cloth().v[u]};
     if (!may_pass(u)) return Mesh::none;
+    if (passes_by(c_, u, here.X, feature_, c_.merge(cross_insert_share))) return Mesh::none;
     if (inadmissible(c_, here.X, d, Mesh::none) || !adopt(c_, u, here, feature_, false)) return Mesh::none;
   }
   c_.editor.set_tag(mesh().find_edge(p, u), tag_);
@@ -184,6 +186,8 @@ int Linker::step_over_edge(int p, int q, const Exit& exit) {
   const SurfacePoint point = on_edge_point(c_.cloth(), h, exit.t);
   const Vec2 way = (mesh().X[q] - mesh().X[p]).normalized();
   if (lies_near(point.x) && !separates(c_, feature_, point, cloth_normal(p)) &&
+      !passes_by(c_, mesh().from(h), point.X, feature_, c_.merge(cross_insert_share)) &&
+      !passes_by(c_, mesh().to(h), point.X, feature_, c_.merge(cross_insert_share)) &&
       !inadmissible(c_, point.X, way, Mesh::none)) {
     const int m = insert_on_edge(c_, h, exit.t, feature_);
     if (m == Mesh::none) return Mesh::none;

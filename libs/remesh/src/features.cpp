@@ -60,6 +60,16 @@ bool lies_on(const FeatureId& vertex, const FeatureId& edge, Obstacles obstacles
   return local.corners[0] == vertex.index || local.corners[1] == vertex.index;
 }
 
+bool gives_way(const FeatureId& edge, const FeatureId& other, Obstacles obstacles) {
+  if (std::pair(edge.obstacle, edge.index) <= std::pair(other.obstacle, other.index)) return false;
+  if (edge.obstacle != other.obstacle) return true;
+  const std::vector<SharpEdge>& edges = obstacles[edge.obstacle].shape->edges;
+  for (const int corner : edges[edge.index].corners)
+    if (corner >= 0 && (corner == edges[other.index].corners[0] || corner == edges[other.index].corners[1]))
+      return false;
+  return true;
+}
+
 Vec2 pull_back(const Mat32& F, const Vec3& d) {
   const Mat2 C = F.transpose() * F;
   const Vec2 right = F.transpose() * d;

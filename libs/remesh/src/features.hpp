@@ -36,6 +36,9 @@ Vec3 velocity_at(const FeatureId& feature, Obstacles obstacles, const Vec3& x);
 /// Whether a vertex that rides on `vertex` is on the edge: EOL on it, or at a corner where it ends.
 bool lies_on(const FeatureId& vertex, const FeatureId& edge, Obstacles obstacles);
 
+/// Whether an edge's chain makes way where it crosses the other's: the later one does, unless they meet in a corner.
+bool gives_way(const FeatureId& edge, const FeatureId& other, Obstacles obstacles);
+
 /// Unit material direction whose image under F is nearest to the world direction d.
 Vec2 pull_back(const Mat32& F, const Vec3& d);
 

@@ -108,7 +108,13 @@ std::vector<Crossing> ordered_crossings(const Conforming& c, std::span<const Con
 
 void insert_crossing(Conforming& c, const Contact& contact) {
   const auto [h, t] = locate(c.mesh(), contact);
-  if (h == Mesh::none || c.mesh().tag(h) != 0) return;
+  if (h == Mesh::none) return;
+  if (c.mesh().tag(h) != 0 && gives_way(tag_feature(c.mesh().tag(h)), contact.feature, c.obstacles))
+    c.editor.set_tag(h, 0);
+  if (c.mesh().tag(h) != 0) {
+    c.editor.refuse_once(RefusalReason::NotConnected, on_edge_point(c.cloth(), h, t).X);
+    return;
+  }
   const int a = c.mesh().from(h), b = c.mesh().to(h);
   for (const int v : {a, b})
     if (lies_on(c.cloth().feature[v], contact.feature, c.obstacles)) return;
@@ -123,6 +129,11 @@ void insert_crossing(Conforming& c, const Contact& contact) {
   const int border_edge = c.mesh().is_border(h) ? h : at_border_vertex ? c.mesh().halfedge(end) : Mesh::none;
   if (const auto reason = inadmissible(c, point.X, direction, border_edge)) {
     c.editor.refuse_once(*reason, point.X);
+    return;
+  }
+  if (passes_by(c, a, point.X, contact.feature, c.merge(cross_insert_share)) ||
+      passes_by(c, b, point.X, contact.feature, c.merge(cross_insert_share))) {
+    c.editor.refuse_once(RefusalReason::NotConnected, point.X);
     return;
   }
   // This near to a border the chain's end there is all that is wanted: another vertex would be merged into it.

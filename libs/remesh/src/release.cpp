@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 
 #include "conforming.hpp"
@@ -49,13 +50,35 @@ bool is_crowded(const Conforming& c, int v) {
   return c.border.distance_along(mesh.X[v], tangent, c.border_cosine(release_angle_share)) < reach;
 }
 
+bool runs_into_chain(const Conforming& c, int v) {
+  const FeatureId& feature = c.cloth().feature[v];
+  return feature.kind == FeatureKind::Edge && passes_by(c, v, c.mesh().X[v], feature, c.merge(cross_share));
+}
+
 }  // namespace
+
+bool passes_by(const Conforming& c, int vertex, const Vec2& P, const FeatureId& feature, double reach) {
+  const Mesh& mesh = c.mesh();
+  for (const int out : mesh.outgoing(vertex)) {
+    for (const int h : {out, Mesh::next(out), Mesh::prev(out)}) {
+      const FeatureId& end = c.cloth().feature[mesh.from(h)];
+      if (end.kind == FeatureKind::Edge && gives_way(feature, end, c.obstacles) &&
+          (mesh.X[mesh.from(h)] - P).norm() < reach)
+        return true;
+      if (mesh.tag(h) == 0 || !gives_way(feature, tag_feature(mesh.tag(h)), c.obstacles)) continue;
+      const Vec2 a = mesh.X[mesh.from(h)], e = mesh.X[mesh.to(h)] - a;
+      const double t = std::clamp(e.dot(P - a) / e.squaredNorm(), 0.0, 1.0);
+      if ((a + t * e - P).norm() < reach) return true;
+    }
+  }
+  return false;
+}
 
 // All are judged before any is released: a release clears the tags that the others' tangents come from.
 void release_strays(Conforming& c) {
   std::vector<int> strays;
   for (int v = 0; v < c.mesh().vertex_slots(); ++v)
-    if (c.cloth().is_eol(v) && (has_left(c, v) || is_crowded(c, v))) strays.push_back(v);
+    if (c.cloth().is_eol(v) && (has_left(c, v) || is_crowded(c, v) || runs_into_chain(c, v))) strays.push_back(v);
   for (const int v : strays) c.editor.release(v);
 }
 
