@@ -45,7 +45,7 @@ SegmentPair closest_segments(const Vec3& a0, const Vec3& a1, const Vec3& b0, con
 // Inside the prism over the triangle the foot of the perpendicular, else the closest point on the three sides. The foot
 // is compared with the sides all the same: on a sliver its weights may be nothing but round-off.
 Vec3 closest_on_triangle(const Vec3& p, const std::array<Vec3, 3>& triangle) {
-  const auto& [a, b, c] = triangle;
+  const Vec3 &a = triangle[0], &b = triangle[1], &c = triangle[2];
   Vec3 best = Vec3::UnitX();
   double best_distance = (a - p).squaredNorm();
   const auto offer = [&](const Vec3& weights) {

@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 
 #include "crease/geometry/triangle.hpp"
-#include "metric.hpp"
 
 namespace crease {
 
@@ -130,14 +129,9 @@ std::optional<RefusalReason> why_no_flip(const Cloth& cloth, int h, const GuardL
   if (check.angle < std::min(least_angle, check.angle_before)) return RefusalReason::TooThin;
   if (check.dihedral > flip_dihedral) return RefusalReason::WouldMoveSurface;
   const std::array<int, 4> quad{mesh.from(h), mesh.opposite(h), mesh.to(h), mesh.opposite(mesh.twin(h))};
-  const auto& [a, b, c, d] = quad;
-  // The diagonals cross at one material point, a + s (c - a) = b + t (d - b).
-  const Vec2 ac = mesh.X[c] - mesh.X[a], bd = mesh.X[d] - mesh.X[b], ab = mesh.X[b] - mesh.X[a];
-  const double s = cross2(ab, bd) / cross2(ac, bd), t = cross2(ab, ac) / cross2(ac, bd);
-  const auto& x = mesh.x;
-  const double shift = ((1 - s) * x[a] + s * x[c] - (1 - t) * x[b] - t * x[d]).norm();
-  const std::array<std::array<Vec3, 4>, 1> swept{{{x[a], x[b], x[c], x[d]}}};
-  return limits.surroundings.allow(swept, shift) ? std::nullopt : std::optional(RefusalReason::NearObstacle);
+  const std::array<std::array<Vec3, 4>, 1> swept{
+      {{mesh.x[quad[0]], mesh.x[quad[1]], mesh.x[quad[2]], mesh.x[quad[3]]}}};
+  return limits.surroundings.allow(swept) ? std::nullopt : std::optional(RefusalReason::NearObstacle);
 }
 
 // A chain is thinned along itself only: its ends, its corners and its course stay.
@@ -158,7 +152,7 @@ std::optional<RefusalReason> why_no_collapse(const Cloth& cloth, int vertex, int
   for (const int h : mesh.outgoing(vertex))
     if (mesh.to(h) != into && mesh.opposite(h) != into)
       swept.push_back({mesh.x[vertex], mesh.x[into], mesh.x[mesh.to(h)], mesh.x[mesh.opposite(h)]});
-  return limits.surroundings.allow(swept, ring.shift) ? std::nullopt : std::optional(RefusalReason::NearObstacle);
+  return limits.surroundings.allow(swept) ? std::nullopt : std::optional(RefusalReason::NearObstacle);
 }
 
 }  // namespace crease

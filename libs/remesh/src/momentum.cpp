@@ -25,7 +25,7 @@ using MatN3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 // as in one line: a rotation about it would have to be fast to carry anything.
 constexpr double least_pivot_ratio = 1e-3;
 // Rings of vertices round the patch that may join in.
-constexpr int max_rings = 2;
+constexpr int max_rings = 3;
 // An energy is not above another if by less than this share: rounding of sums over a patch.
 constexpr double energy_rounding = 1e-14;
 
@@ -73,7 +73,8 @@ class Payers {
   /// The least change that carries both momenta, if its energy is not above the debt's, or else as much of it as is;
   /// nothing if no change can do it.
   std::optional<MatN3> settle(const Debt& debt) const;
-  /// Linear momentum at no more than the debt's energy, if possible, and as much of the angular one as fits.
+  /// Linear momentum, and as much of the angular one as the debt's energy allows. Where already the linear one asks for
+  /// more, as it may next to vertices that are held, as much of that.
   MatN3 settle_linear(const Debt& debt) const;
   void apply(const MatN3& change, Cloth& cloth) const {
     for (int i = 0; i < n(); ++i) cloth.v[vertices_[i]] += change.row(i).transpose();
@@ -154,6 +155,7 @@ MatN3 Payers::push(const Vec6& multipliers) const {
 
 MatN3 Payers::as_far_as_allowed(const MatN3& least, const MatN3& wanted, double allowed) const {
   const double floor = energy(least), ceiling = energy(wanted);
+  allowed += rounding_;  // so that the result does not jump where rounding decides whether there is anything to do
   if (ceiling <= allowed) return wanted;
   const double way = std::sqrt(std::max(0.0, allowed - floor) / (ceiling - floor));
   return least + std::min(1.0, way) * (wanted - least);
@@ -172,6 +174,7 @@ std::optional<MatN3> Payers::settle(const Debt& debt) const {
 MatN3 Payers::settle_linear(const Debt& debt) const {
   const MatN3 rest = Z_.rightCols<3>();
   const MatN3 least = push_linear(debt.linear + rest.transpose() * a_) - rest;
+  if (energy(least) > debt.energy + rounding_) return as_far_as_allowed(-rest, least, debt.energy);
   MatN3 wanted = push_linear(debt.linear);
   if (carry_spin()) wanted = push(lu_.solve(in_radii(debt) + carried(rest))) - rest;
   return as_far_as_allowed(least, wanted, debt.energy);

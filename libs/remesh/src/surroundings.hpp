@@ -16,10 +16,8 @@ class Surroundings {
   Surroundings(std::span<const PosedObstacle> obstacles, double threshold);
 
   /// Whether the surface may leave one side of these tetrahedra, which an operation sweeps, for the other: no sharp
-  /// feature is inside, and where an obstacle is nearer than the threshold, the surface moves by no more than half of
-  /// it.
-  /// @param shift  by which the surface moves at most [m]
-  bool allow(std::span<const std::array<Vec3, 4>> swept, double shift) const;
+  /// feature is inside, and where an obstacle is nearer than the threshold, they are no thicker than half of it.
+  bool allow(std::span<const std::array<Vec3, 4>> swept) const;
 
  private:
   struct Segment {
