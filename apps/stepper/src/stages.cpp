@@ -79,7 +79,7 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
       conform_options.look_ahead = steps_ahead * h;
       conform_options.clearance = clearance_share_of_longest * options.size[1];
       RemeshResult conformed = conform(cloth, contacts, obstacles, conform_options);
-      RemeshResult adapted = adapt(conformed.cloth, options, obstacles);
+      RemeshResult adapted = adapt(conformed.cloth, options);
       return chain_passes(std::move(conformed), std::move(adapted));
     };
   auto solver = std::shared_ptr<QpSolver>(make_qp_solver(scene.qp));
