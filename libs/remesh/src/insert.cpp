@@ -241,6 +241,8 @@ bool separates(const Conforming& c, const FeatureId& feature, const SurfacePoint
   const std::optional<double> outside = signed_distance(*obstacle.shape, obstacle.pose, point.x);
   if (outside && *outside < -separating_depth_share * snap) return false;
   const Vec3 away = point.x - nearest_on(feature, c.obstacles, point.x);
+  // Points and wires have no inside, but a side that the cloth belongs on: from behind them it has to come out first.
+  if (!outside && normal.dot(away) < -separating_gap_share * snap) return false;
   const Vec3 motion = point.v - velocity_at(feature, c.obstacles, point.x);
   const double least = std::max(separating_sine * motion.norm(), separating_speed);
   const bool has_direction = away.norm() > separating_gap_share * snap && (!outside || *outside > 0);
