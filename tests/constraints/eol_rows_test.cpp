@@ -299,6 +299,34 @@ TEST(EolRows, WireHoldsAcrossAndLeavesTheTangentFree) {
   }
 }
 
+// With the wire's side known, it may push but not pull: one inequality along the flat sheet's normal, turned to the
+// side away from the wire, and one hold across it.
+TEST(EolRows, WireOnAKnownSidePushesOnly) {
+  std::mt19937_64 rng(17);
+  SCOPED_TRACE("seed 17");
+  for (int trial = 0; trial < 8; ++trial) {
+    EolSheet sheet = make_wire_sheet();
+    const int side = trial % 2 == 0 ? 1 : -1;
+    for (const int v : sheet.chain) sheet.cloth.feature[v].side = side;
+    sheet.pose.velocity = {0.1, 0.2, 0.3};
+    place(sheet, trial == 0 ? Mat3::Identity() : random_rotation(rng), Vec3::Zero());
+    const ConstraintRows rows = sheet.rows();
+    EXPECT_TRUE(rows.regularisation.empty());
+    for (const int v : sheet.chain) {
+      const std::vector<int> holds = rows_of(rows.eq, RowKind::EolHold, v);
+      const std::vector<int> normals = rows_of(rows.in, RowKind::EolNormal, v);
+      ASSERT_EQ(holds.size(), 1u);
+      ASSERT_EQ(normals.size(), 1u);
+      const Vec3 normal = rows.in[normals[0]].normal;
+      EXPECT_NEAR(normal.dot(sheet.up), side, 10 * round_off);
+      EXPECT_NEAR(rows.b_in[normals[0]], normal.dot(sheet.pose.velocity), 5 * gap_round_off);
+      EXPECT_NEAR(rows.eq[holds[0]].normal.dot(normal), 0, round_off);
+      EXPECT_NEAR(rows.eq[holds[0]].normal.dot(sheet.along), 0, round_off);
+      EXPECT_NEAR(rows.b_eq[holds[0]], rows.eq[holds[0]].normal.dot(sheet.pose.velocity), 5 * gap_round_off);
+    }
+  }
+}
+
 TEST(EolRows, RowsAreOrderedByVertexThenKind) {
   EolSheet sheet = make_wire_sheet();
   for (std::uint64_t& pins : sheet.cloth.pins) pins = 0;

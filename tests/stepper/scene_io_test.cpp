@@ -379,6 +379,39 @@ TEST_F(SceneIo, UnknownKeysAreNamedEverywhere) {
   expect_problem(with(full_scene, "\"gravity\"", "\"gravty\""), "/gravty", "did you mean \"gravity\"?");
 }
 
+TEST_F(SceneIo, ReadsPointsAndWires) {
+  const std::string box = "\"box\": {\"size\": [1.2, 1.5, 1.0]}";
+  const auto shape = [&](const std::string& by) { return load(with(full_scene, box, by)).scene.obstacles.at(0).shape; };
+  const ObstacleShape point = shape("\"point\": {\"normal\": [0, 3, -4]}");
+  EXPECT_EQ(point.kind, ObstacleShape::Kind::Point);
+  ASSERT_EQ(point.corners.size(), 1u);
+  EXPECT_LT((point.corners[0].normals.at(0) - Vec3(0, 0.6, -0.8)).norm(), 1e-15);
+  EXPECT_EQ(shape("\"point\": {}").corners.at(0).normals.at(0), Vec3(0, 0, 1));
+  const ObstacleShape wire = shape("\"wire\": {\"points\": [[0, 0, 0], [1, 0, 0], [1, 2, 0]]}");
+  EXPECT_EQ(wire.kind, ObstacleShape::Kind::Wire);
+  ASSERT_EQ(wire.edges.size(), 2u);
+  EXPECT_EQ(wire.edges[1].b, Vec3(1, 2, 0));
+}
+
+TEST_F(SceneIo, RefusesPointsAndWiresThatAreNone) {
+  struct Case {
+    std::string by, pointer, says;
+  };
+  const std::string box = "\"box\": {\"size\": [1.2, 1.5, 1.0]}";
+  for (const auto& [by, pointer, says] : std::vector<Case>{
+           {"\"point\": {\"normal\": [0, 0, 0]}", "/obstacles/0/point/normal", "must not be zero"},
+           {"\"point\": {\"normal\": [0, 0, \"up\"]}", "/obstacles/0/point/normal/2", "a number"},
+           {"\"point\": 7", "/obstacles/0/point", "an object"},
+           {"\"wire\": {}", "/obstacles/0/wire/points", "is missing"},
+           {"\"wire\": {\"points\": [[0, 0, 0]]}", "/obstacles/0/wire/points", "2 or more"},
+           {"\"wire\": {\"points\": [[0, 0, 0], [1, 0]]}", "/obstacles/0/wire/points/1", "a list of 3"},
+           {"\"wire\": {\"points\": [[0, 0, 0], [1, 0, 0], [1, 0, 0]]}", "/obstacles/0/wire/points/2", "unlike"},
+           {"\"wire\": {\"points\": [[-1e308, 0, 0], [1e308, 0, 0]]}", "/obstacles/0/wire/points/1", "unlike"}}) {
+    SCOPED_TRACE(by);
+    expect_problem(with(full_scene, box, by), pointer, says);
+  }
+}
+
 TEST_F(SceneIo, WhatComesLaterIsRefusedByName) {
   struct Case {
     std::string what, by, pointer;
@@ -390,8 +423,6 @@ TEST_F(SceneIo, WhatComesLaterIsRefusedByName) {
                          {"\"eol\"", "\"lagrangian_averaged\"", "/contact/method"},
                          {"\"eol\"", "\"lagrangian_cone\"", "/contact/method"},
                          {"\"linear\"", "\"newton\"", "/dynamics/integrator"},
-                         {box, "\"point\": {\"normal\": [0, 0, 1]}", "/obstacles/0/point"},
-                         {box, "\"wire\": {\"points\": [[0, 0, 0], [1, 0, 0]]}", "/obstacles/0/wire"},
                          {box, "\"mesh\": {\"file\": \"rock.obj\", \"sharp_angle\": 30}", "/obstacles/0/mesh"}}) {
     SCOPED_TRACE(by);
     expect_problem(with(full_scene, what, by), pointer, "not available yet");

@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "checkpoints are little-endian");
 
-constexpr std::string_view magic = "crease checkpoint 1\n";
+constexpr std::string_view magic = "crease checkpoint 2\n";
 
 /// FNV-1a, 64 bit: finds a damaged file, not a forged one.
 std::uint64_t hash(std::string_view bytes) {
@@ -92,7 +92,7 @@ void put_cloth(Writer& out, const Cloth& cloth) {
   out.put_vectors(cloth.V);
   out.put_vectors(cloth.v);
   for (const FeatureId& id : cloth.feature)
-    out.put(std::array<std::int32_t, 3>{id.obstacle, static_cast<std::int32_t>(id.kind), id.index});
+    out.put(std::array<std::int32_t, 4>{id.obstacle, static_cast<std::int32_t>(id.kind), id.index, id.side});
   for (const std::uint64_t pins : cloth.pins) out.put(pins);
 }
 
@@ -111,8 +111,8 @@ Cloth get_cloth(Reader& in) {
   cloth.V = in.get_vectors<Vec2>(n_vertices);
   cloth.v = in.get_vectors<Vec3>(n_vertices);
   for (FeatureId& id : cloth.feature) {
-    const auto [obstacle, kind, index] = in.get<std::array<std::int32_t, 3>>();
-    id = {obstacle, static_cast<FeatureKind>(kind), index};
+    const auto [obstacle, kind, index, side] = in.get<std::array<std::int32_t, 4>>();
+    id = {obstacle, static_cast<FeatureKind>(kind), index, side};
   }
   for (std::uint64_t& pins : cloth.pins) pins = in.get<std::uint64_t>();
   return cloth;

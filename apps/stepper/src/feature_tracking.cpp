@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <span>
 
+#include "crease/geometry/wire.hpp"
+
 namespace crease {
 namespace {
 
@@ -27,10 +29,6 @@ bool stays(const SharpEdge& edge, const Pose& pose, double threshold, Vec3& x) {
   const Vec3 a = pose.to_world(edge.a), b = pose.to_world(edge.b);
   const double length = (b - a).norm(), along = (x - a).dot((b - a) / length);
   if (along < -closed_share * threshold || along > length + closed_share * threshold) return false;
-  if (edge.free_cone) {
-    x = a + std::clamp(along / length, 0.0, 1.0) * (b - a);
-    return true;
-  }
   return std::all_of(edge.normals.begin(), edge.normals.end(), [&](const Vec3& n) {
     return settle(x, a, pose.rotation * n, closed_share * threshold) <= separated_share * threshold;
   });
@@ -41,6 +39,28 @@ bool stays(const SharpCorner& corner, const Pose& pose, double threshold, Vec3& 
   return std::all_of(corner.normals.begin(), corner.normals.end(), [&](const Vec3& n) {
     return settle(x, tip, pose.rotation * n, closed_share * threshold) <= separated_share * threshold;
   });
+}
+
+/// As stays(), for a wire: the direction away from it is that of the cloth around the vertex.
+bool stays_on_wire(Cloth& cloth, int vertex, const ObstacleShape& shape, const Pose& pose, double threshold) {
+  const FeatureId id = cloth.feature[vertex];
+  Vec3& x = cloth.mesh.x[vertex];
+  Vec3 foot, tangent = Vec3::Zero();
+  if (id.kind == FeatureKind::Edge) {
+    const SharpEdge& edge = shape.edges[id.index];
+    const double length = (edge.b - edge.a).norm();
+    tangent = pose.rotation * (edge.b - edge.a) / length;
+    const double along = (x - pose.to_world(edge.a)).dot(tangent);
+    if (along < -closed_share * threshold || along > length + closed_share * threshold) return false;
+    foot = pose.to_world(edge.a) + std::clamp(along, 0.0, length) * tangent;
+  } else {
+    foot = pose.to_world(shape.corners[id.index].position);
+  }
+  if ((x - foot).norm() <= closed_share * threshold) {
+    x = foot;
+    return true;
+  }
+  return wire_normal(cloth, vertex, tangent).dot(x - foot) <= separated_share * threshold;
 }
 
 }  // namespace
@@ -64,8 +84,9 @@ int track_features(Cloth& cloth, std::span<const Obstacle> obstacles, double tim
     const ObstacleShape& shape = obstacles[id.obstacle].shape;
     const Pose& pose = poses[id.obstacle];
     Vec3& x = cloth.mesh.x[v];
-    const bool at_home = id.kind == FeatureKind::Edge ? stays(shape.edges[id.index], pose, threshold, x)
-                                                      : stays(shape.corners[id.index], pose, threshold, x);
+    const bool at_home = is_on_wire(id, shape)          ? stays_on_wire(cloth, v, shape, pose, threshold)
+                         : id.kind == FeatureKind::Edge ? stays(shape.edges[id.index], pose, threshold, x)
+                                                        : stays(shape.corners[id.index], pose, threshold, x);
     if (!at_home) leaving.push_back(v);
   }
   for (const int v : leaving) make_lagrangian(cloth, v);

@@ -82,12 +82,32 @@ void check_cloth(const Scene& scene, const Json& json, size_t i, ProblemList& pr
     check_motion(cloth.pins[k].motion, pointer + "/pins/" + std::to_string(k), problems);
 }
 
+// Refused already, or absent: not to be judged here.
+bool can_judge(const Json& json, const char* key, const std::string& pointer, const ProblemList& problems) {
+  return json.contains(key) && json[key].is_object() && !problems.under(pointer + "/" + key);
+}
+
+bool is_zero(const Json& vector) {
+  return std::all_of(vector.begin(), vector.end(), [](const Json& number) { return number == 0; });
+}
+
+Vec3 as_point(const Json& json) {
+  return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
+}
+
 void check_obstacle(const Json& json, const Obstacle& obstacle, const std::string& pointer, ProblemList& problems) {
   check_motion(obstacle.motion, pointer, problems);
-  if (!json.contains("rotation") || !json["rotation"].is_object() || problems.under(pointer + "/rotation")) return;
-  const Json& axis = json["rotation"]["axis"];
-  if (std::all_of(axis.begin(), axis.end(), [](const Json& number) { return number == 0; }))
+  if (can_judge(json, "rotation", pointer, problems) && is_zero(json["rotation"]["axis"]))
     problems.add(pointer + "/rotation/axis", "must not be zero: it is what the obstacle is turned about");
+  if (can_judge(json, "point", pointer, problems) && is_zero(json["point"]["normal"]))
+    problems.add(pointer + "/point/normal", "must not be zero: it is the side that the cloth is on");
+  if (!can_judge(json, "wire", pointer, problems)) return;
+  const Json& points = json["wire"]["points"];
+  for (size_t i = 1; i < points.size(); ++i)
+    if (!is_segment(as_point(points[i - 1]), as_point(points[i])))
+      problems.add(pointer + "/wire/points/" + std::to_string(i),
+                   "must be unlike the point before it, and near enough "
+                   "for their distance to be a number");
 }
 
 }  // namespace

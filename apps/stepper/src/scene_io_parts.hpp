@@ -32,6 +32,9 @@ void fill_dependent_defaults(Json& document);
 /// Scene from a document that check_and_fill() returned; what is null there keeps the default of scene.hpp.
 Scene read_scene(const Json& filled);
 
+/// Whether two points can be joined by a segment of a wire: finite, unlike each other.
+bool is_segment(const Vec3& a, const Vec3& b);
+
 /// What a schema cannot say: orders, relations between keys, names given twice.
 void check_scene(const Scene& scene, const Json& filled, ProblemList& problems);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -140,12 +141,42 @@ ClothSpec read_cloth(const Json& json) {
   return cloth;
 }
 
+std::vector<Vec3> read_points(const Json& wire) {
+  std::vector<Vec3> points;
+  for (const Json& entry : list(wire, "points")) {
+    Vec3& point = points.emplace_back(Vec3::Constant(std::nan("")));
+    if (!entry.is_array()) continue;
+    for (int k = 0; k < 3; ++k)
+      if (entry[static_cast<size_t>(k)].is_number()) point[k] = entry[static_cast<size_t>(k)].get<double>();
+  }
+  return points;
+}
+
+bool makes_a_wire(const std::vector<Vec3>& points) {
+  return points.size() >= 2 && std::adjacent_find(points.begin(), points.end(), [](const Vec3& a, const Vec3& b) {
+                                 return !is_segment(a, b);
+                               }) == points.end();
+}
+
+// What cannot be made is a unit box: check_scene() tells what is wrong with it.
+ObstacleShape read_shape(const Json& json) {
+  Vec3 size = Vec3::Ones(), normal = Vec3::UnitZ();
+  if (given(json, "point")) {
+    read(json["point"], "normal", normal);
+    if (!normal.isZero(0)) return make_point(normal);
+  }
+  if (given(json, "wire")) {
+    const std::vector<Vec3> points = read_points(json["wire"]);
+    if (makes_a_wire(points)) return make_wire(points);
+  }
+  read(child(json, "box"), "size", size);
+  return make_box(size);
+}
+
 Obstacle read_obstacle(const Json& json) {
   Obstacle obstacle;
   read(json, "name", obstacle.name);
-  Vec3 size = Vec3::Ones();
-  read(child(json, "box"), "size", size);
-  obstacle.shape = make_box(size);
+  obstacle.shape = read_shape(json);
   read(json, "position", obstacle.start.position);
   Vec3 axis = Vec3::UnitZ();
   double degrees = 0;
@@ -160,6 +191,11 @@ Obstacle read_obstacle(const Json& json) {
 }
 
 }  // namespace
+
+bool is_segment(const Vec3& a, const Vec3& b) {
+  const double length = (b - a).norm();
+  return std::isfinite(length) && length > 0;
+}
 
 Scene read_scene(const Json& filled) {
   Scene scene;

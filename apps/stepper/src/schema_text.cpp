@@ -204,13 +204,14 @@ constexpr char schema_text[] = R"json({
         },
         "point": {
           "type": "object",
-          "x-available": [],
           "additionalProperties": false,
-          "properties": {"normal": {"$ref": "#/definitions/vec3", "default": [0, 0, 1]}}
+          "properties": {
+            "normal": {"$ref": "#/definitions/vec3", "default": [0, 0, 1],
+                       "description": "to the side that the cloth is on; any length but 0"}
+          }
         },
         "wire": {
           "type": "object",
-          "x-available": [],
           "additionalProperties": false,
           "required": ["points"],
           "properties": {

@@ -11,6 +11,7 @@
 #include "crease/base/require.hpp"
 #include "crease/geometry/dof_map.hpp"
 #include "crease/geometry/triangle.hpp"
+#include "crease/geometry/wire.hpp"
 #include "feature_tracking.hpp"
 
 namespace crease {
@@ -227,6 +228,7 @@ void SheetStepper::Impl::remesh(Work& work) {
   if (!done.changed) return;
   renumber(done.vertex_map);
   work.cloth = std::move(remeshed.cloth);
+  spread_wire_sides(work.cloth, work.posed);
   report.times.transfer = work.watch.lap();
   detect(work);  // contacts name vertices: find them again on the new mesh
 }

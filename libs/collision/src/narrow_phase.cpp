@@ -31,6 +31,31 @@ Vec3 foot_weights(const std::array<Vec3, 3>& x, const Vec3& p) {
   return weights / normal.squaredNorm();
 }
 
+// The cloth on both sides of one of its edges.
+struct Sheet {
+  std::array<int, 4> vertices;  // the edge's, and those opposite; the last twice on the border
+  Vec3 area = Vec3::Zero();     // sum of the faces' area vectors
+};
+
+Sheet sheet_beside(const Mesh& mesh, int halfedge) {
+  const int twin = mesh.twin(halfedge), other = twin == Mesh::none ? halfedge : twin;
+  Sheet sheet{{mesh.from(halfedge), mesh.to(halfedge), mesh.opposite(halfedge), mesh.opposite(other)}};
+  for (const int h : {halfedge, twin}) {
+    if (h == Mesh::none) continue;
+    const auto x = world_corners(mesh, Mesh::face_of(h));
+    sheet.area += (x[1] - x[0]).cross(x[2] - x[0]);
+  }
+  return sheet;
+}
+
+// A wire is on the side of the sheet that is known from a vertex that rides on it, else touched from the side the cloth
+// is on; from where it came if it is exactly there. Negative: `normal` points the wrong way.
+double wire_side(const Vec3& normal, double distance, const Vec3& velocity, int known, const Vec3& sheet) {
+  const double facing = normal.dot(sheet);
+  if (known != 0 && facing != 0) return known * facing;
+  return std::abs(distance) > rim_tolerance ? distance : -normal.dot(velocity);
+}
+
 }  // namespace
 
 // The mesh moves with xdot, for an EOL vertex too; relative to the obstacle taken as a rigid frame.
@@ -45,6 +70,15 @@ double NarrowPhase::reach(const Vec3& velocity) const {
 
 bool NarrowPhase::on_feature(int vertex, FeatureKind kind, int index) const {
   return cloth_.feature[static_cast<std::size_t>(vertex)] == FeatureId{obstacle_.index, kind, index};
+}
+
+// On which side of the sheet the wire is, as the first of these vertices that rides on it knows; 0 if none does.
+int NarrowPhase::side_of_sheet(std::span<const int> vertices) const {
+  for (const int i : vertices) {
+    const FeatureId& id = cloth_.feature[static_cast<std::size_t>(i)];
+    if (id.side != 0 && id.obstacle == obstacle_.index) return id.side;
+  }
+  return 0;
 }
 
 Contact NarrowPhase::make_contact(ContactType type, const Vec3& point, const Vec3& normal, double distance) const {
@@ -142,10 +176,9 @@ std::optional<Contact> NarrowPhase::edge_edge(int halfedge, int edge) const {
   const Vec3 velocity = (1 - s) * relative_velocity(ends[0]) + s * relative_velocity(ends[1]);
   Vec3 normal = across.cross(e.tangent).normalized();
   double distance = normal.dot(start);
-  // A wire is touched from the side the cloth is on; from where it came if it is exactly there.
-  const double side = !e.free_cone                         ? normal.dot(e.mean)
-                      : std::abs(distance) > rim_tolerance ? distance
-                                                           : -normal.dot(velocity);
+  const Sheet sheet = sheet_beside(cloth_.mesh, halfedge);
+  const double side = e.free_cone ? wire_side(normal, distance, velocity, side_of_sheet(sheet.vertices), sheet.area)
+                                  : normal.dot(e.mean);
   if (side < 0) {
     normal = -normal;
     distance = -distance;
@@ -156,6 +189,7 @@ std::optional<Contact> NarrowPhase::edge_edge(int halfedge, int edge) const {
   Contact contact =
       make_contact(ContactType::EdgeEdge, e.a + std::clamp(t, 0.0, e.length) * e.tangent, normal, distance);
   contact.feature = {obstacle_.index, FeatureKind::Edge, edge};
+  if (e.free_cone) contact.feature.side = normal.dot(sheet.area) < 0 ? -1 : 1;
   contact.n_vertices = 2;
   contact.vertices = {ends[0], ends[1], -1};
   contact.weights = {1 - s, s, 0};
@@ -167,23 +201,29 @@ std::optional<Contact> NarrowPhase::corner_face(int corner, int face) const {
   const PlacedCorner& c = obstacle_.corners[static_cast<std::size_t>(corner)];
   const auto& vertices = cloth_.mesh.face(face);
   const auto x = world_corners(cloth_.mesh, face);
-  Vec3 normal = face_normal(cloth_.mesh, face);
+  const Vec3 face_side = face_normal(cloth_.mesh, face);
+  Vec3 normal = face_side;
   if (normal.isZero()) return std::nullopt;
   Vec3 weights = foot_weights(x, c.position);
   if (!(weights.minCoeff() >= -interval_slack)) return std::nullopt;
   for (const int i : vertices) {
     if (on_feature(i, FeatureKind::Corner, corner)) return std::nullopt;
   }
-  if (normal.dot(c.mean) < 0) normal = -normal;
-  if (!in_cone(c.normals, normal)) return std::nullopt;
   weights = weights.cwiseMax(0.0) / weights.cwiseMax(0.0).sum();
   Vec3 velocity = Vec3::Zero();
   for (int k = 0; k < 3; ++k) velocity += weights[k] * relative_velocity(vertices[static_cast<std::size_t>(k)]);
+  const bool is_joint = c.normals.empty();
+  const double side = is_joint
+                          ? wire_side(normal, normal.dot(x[0] - c.position), velocity, side_of_sheet(vertices), normal)
+                          : normal.dot(c.mean);
+  if (side < 0) normal = -normal;
+  if (!is_joint && !in_cone(c.normals, normal)) return std::nullopt;
   const double distance = normal.dot(x[0] - c.position);
   if (!is_way_out(distance, reach(velocity), x, c.normals)) return std::nullopt;
 
   Contact contact = make_contact(ContactType::CornerFace, c.position, normal, distance);
   contact.feature = {obstacle_.index, FeatureKind::Corner, corner};
+  if (is_joint) contact.feature.side = normal.dot(face_side) < 0 ? -1 : 1;
   contact.n_vertices = 3;
   contact.vertices = vertices;
   contact.weights = {weights[0], weights[1], weights[2]};

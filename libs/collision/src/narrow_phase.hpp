@@ -38,6 +38,7 @@ class NarrowPhase {
   Vec3 relative_velocity(int vertex) const;
   double reach(const Vec3& velocity) const;
   bool on_feature(int vertex, FeatureKind kind, int index) const;
+  int side_of_sheet(std::span<const int> vertices) const;
   Vec3 rim_normal(int vertex, std::span<const Vec3> normals, const Vec3& mean) const;
   /// Whether a pair with this signed distance is a contact. `points` are the corners of the cloth's edge or face,
   /// `own` the normals of the obstacle's faces that meet in the feature.

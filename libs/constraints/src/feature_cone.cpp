@@ -19,8 +19,8 @@ std::vector<Vec3> across(const Vec3& axis) {
 FeatureCone edge_cone(const SharpEdge& edge) {
   FeatureCone cone{.point = edge.a};
   if (edge.free_cone) {
-    cone.open = (edge.b - edge.a).normalized();
-    cone.holds = across(cone.open);
+    cone.tangent = (edge.b - edge.a).normalized();
+    cone.holds = across(cone.tangent);
   } else {
     cone.normals.assign(edge.normals.begin(), edge.normals.end());
   }
@@ -32,8 +32,7 @@ FeatureCone edge_cone(const SharpEdge& edge) {
 FeatureCone corner_cone(const SharpCorner& corner) {
   FeatureCone cone{.point = corner.position, .normals = corner.normals};
   if (corner.normals.size() == 1) {
-    cone.open = corner.normals.front();
-    cone.holds = across(cone.open);
+    cone.holds = across(corner.normals.front());
   } else if (corner.normals.empty()) {
     cone.holds = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   }
@@ -56,8 +55,16 @@ FeatureCone feature_cone(const FeatureId& feature, std::span<const PosedObstacle
   cone.point = obstacle.pose.to_world(cone.point);
   for (Vec3& normal : cone.normals) normal = obstacle.pose.rotation * normal;
   for (Vec3& hold : cone.holds) hold = obstacle.pose.rotation * hold;
-  cone.open = obstacle.pose.rotation * cone.open;
+  cone.tangent = obstacle.pose.rotation * cone.tangent;
   return cone;
+}
+
+void lie_on(FeatureCone& cone, const Vec3& normal) {
+  cone.normals = {normal};
+  if (cone.tangent.isZero())
+    cone.holds = across(normal);
+  else
+    cone.holds = {cone.tangent.cross(normal)};
 }
 
 }  // namespace crease

@@ -57,8 +57,9 @@ void FreeDirections::fix_axis(int vertex, int axis) {
   projector(vertex)(axis, axis) = 0;
 }
 
-void FreeDirections::fix_all_but(int vertex, const Vec3& direction) {
-  projector(vertex) = direction * direction.transpose();
+void FreeDirections::fix(int vertex, std::span<const Vec3> directions) {
+  Mat3& free = projector(vertex);
+  for (const Vec3& direction : directions) free -= direction * direction.transpose();
 }
 
 bool FreeDirections::leaves_free(const Vec3& direction, std::span<const Term> terms) const {

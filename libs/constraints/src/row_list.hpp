@@ -37,8 +37,8 @@ class FreeDirections {
   explicit FreeDirections(int n_vertices) : place_(n_vertices, -1) {}
   /// @pre only axes are fixed at `vertex` so far
   void fix_axis(int vertex, int axis);
-  /// Only `direction` (unit, or zero) stays free.
-  void fix_all_but(int vertex, const Vec3& direction);
+  /// @pre unit directions, orthogonal to each other and to what is fixed so far
+  void fix(int vertex, std::span<const Vec3> directions);
   bool untouched(int vertex) const { return place_[vertex] < 0; }
   /// False if the equalities alone decide direction . sum w_i xdot_i, up to a small rest.
   bool leaves_free(const Vec3& direction, std::span<const Term> terms) const;

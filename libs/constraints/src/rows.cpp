@@ -6,6 +6,7 @@
 
 #include "crease/base/require.hpp"
 #include "crease/geometry/chain.hpp"
+#include "crease/geometry/wire.hpp"
 #include "feature_cone.hpp"
 #include "row_list.hpp"
 
@@ -53,7 +54,11 @@ void Builder::add_pin(int vertex, std::span<const PinState> pins) {
 // n_k . xdot >= n_k . v_obstacle, and otherwise leads the vertex back.
 void Builder::add_eol_world(int vertex) {
   const FeatureId& feature = cloth.feature[vertex];
-  const FeatureCone cone = feature_cone(feature, obstacles);
+  FeatureCone cone = feature_cone(feature, obstacles);
+  if (cone.normals.empty()) {
+    const Vec3 normal = wire_normal(cloth, vertex, cone.tangent);
+    if (!normal.isZero()) lie_on(cone, normal);
+  }
   const Vec3& x = cloth.mesh.x[vertex];
   const Vec3 velocity = obstacles[feature.obstacle].pose.velocity_at(x);
   const Term term{vertex, 1.0};
@@ -68,13 +73,15 @@ void Builder::add_eol_world(int vertex) {
       eq.push_back(
           world_row(info(RowKind::EolHold, k, cone.holds[k]), {&term, 1}, cone.holds[k].dot(velocity) + back, dofs));
     }
-    free.fix_all_but(vertex, cone.open);
+    free.fix(vertex, cone.holds);
   }
   for (std::size_t k = 0; k < cone.normals.size(); ++k) {
     const Vec3& normal = cone.normals[k];
     const double carried = normal.dot(velocity);
     const double gap = normal.dot(x - cone.point);
     add_inequality(info(RowKind::EolNormal, k, normal), {&term, 1}, carried + gap_velocity(gap, options));
+    // What holds across decides flat cloth as well.
+    if (!cone.holds.empty()) continue;
     const double back = std::max(gap, 0.0) / std::max(options.return_time, options.h);
     regularisation.push_back({vertex, normal, carried - back, options.h / options.return_time});
   }

@@ -84,6 +84,43 @@ ObstacleShape make_box(const Vec3& size) {
   return box;
 }
 
+ObstacleShape make_point(const Vec3& normal) {
+  // By the largest component first: the squares of very large or small components leave the range of a double.
+  const double largest = normal.cwiseAbs().maxCoeff();
+  require(normal.allFinite() && largest > 0, "make_point: expected a finite normal that is not zero");
+  ObstacleShape point;
+  point.kind = ObstacleShape::Kind::Point;
+  point.vertices = {Vec3::Zero()};
+  point.corners = {{Vec3::Zero(), {(normal / largest).normalized()}}};
+  return point;
+}
+
+ObstacleShape make_wire(const std::vector<Vec3>& points) {
+  require(points.size() >= 2, "make_wire: expected two points or more");
+  ObstacleShape wire;
+  wire.kind = ObstacleShape::Kind::Wire;
+  const bool closed = points.size() > 3 && points.front() == points.back();
+  wire.vertices.assign(points.begin(), points.end() - (closed ? 1 : 0));
+  const int n = static_cast<int>(wire.vertices.size()), n_edges = static_cast<int>(points.size()) - 1;
+  const int first_joint = closed ? 0 : 1, n_joints = closed ? n : n - 2;
+  for (int j = 0; j < n_joints; ++j) wire.corners.push_back({points[static_cast<std::size_t>(first_joint + j)], {}});
+  const auto joint_at = [&](int point) {
+    const int joint = (closed ? point % n : point) - first_joint;
+    return joint >= 0 && joint < n_joints ? joint : -1;
+  };
+  for (int k = 0; k < n_edges; ++k) {
+    SharpEdge edge;
+    edge.a = points[static_cast<std::size_t>(k)];
+    edge.b = points[static_cast<std::size_t>(k + 1)];
+    const double length = (edge.b - edge.a).norm();
+    require(std::isfinite(length) && length > 0, "make_wire: expected finite points, each unlike the one before it");
+    edge.corners = {joint_at(k), joint_at(k + 1)};
+    edge.free_cone = true;
+    wire.edges.push_back(edge);
+  }
+  return wire;
+}
+
 Pose pose_at(const Obstacle& obstacle, double time) {
   require(std::isfinite(time) && time >= 0, "pose_at: expected a finite time >= 0");
   const auto& motion = obstacle.motion;

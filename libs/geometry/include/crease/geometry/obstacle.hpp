@@ -19,13 +19,20 @@ struct FeatureId {
   int obstacle = -1;
   FeatureKind kind = FeatureKind::None;
   int index = -1;  ///< into ObstacleShape::edges or ::corners
-  bool operator==(const FeatureId&) const = default;
+  /// A wire has no inside, so it has to be remembered on which side of the sheet it is: +1 if the sheet's own normal
+  /// (of its faces' orientation) points away from it, -1 if towards it, 0 if unknown or if the shape tells.
+  int side = 0;
+  /// Of places: two sheets on the two sides of a wire are on the same feature.
+  bool operator==(const FeatureId& other) const {
+    return obstacle == other.obstacle && kind == other.kind && index == other.index;
+  }
 };
 
-/// A sharp point: the corner of a box, the tip of a nail.
+/// A sharp point: the corner of a box, the tip of a nail, the joint of a wire.
 struct SharpCorner {
-  Vec3 position;              ///< local coordinates [m]
-  std::vector<Vec3> normals;  ///< unit outward normals of the faces that meet there (3 on a box, 1 on a nail)
+  Vec3 position;  ///< local coordinates [m]
+  std::vector<Vec3>
+      normals;  ///< unit outward normals of the faces that meet there (3 on a box, 1 on a nail, 0 on a wire)
 };
 
 /// A sharp edge between two flat faces, or one segment of a wire.
@@ -54,6 +61,14 @@ struct ObstacleShape {
 
 /// Axis-aligned box about the origin. @pre size > 0
 ObstacleShape make_box(const Vec3& size);
+
+/// The tip of a nail at the origin; the cloth stays on the side of `normal`, of any length but 0. No surface.
+ObstacleShape make_point(const Vec3& normal);
+
+/// A polyline without thickness: one edge a segment, and a corner with no normals at every joint. The two ends of an
+/// open wire are no corners: there the cloth slips off. First and last point equal: a loop, closed by one more joint.
+/// @pre two points or more, each unlike the one before it
+ObstacleShape make_wire(const std::vector<Vec3>& points);
 
 /// Velocity that holds until the next entry.
 struct MotionKey {
