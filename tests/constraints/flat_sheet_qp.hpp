@@ -40,16 +40,6 @@ inline double lumped_mass(const Mesh& mesh, int vertex) {
   return sheet_density * area / 3;
 }
 
-/// Adds the regularisation as its definition says.
-inline void add_regularisation(const ConstraintRows& rows, const Cloth& cloth, const DofMap& dofs, MatX& H, VecX& f) {
-  for (const auto& term : rows.regularisation) {
-    const int at = dofs.x(term.vertex);
-    const double weight = term.scale * lumped_mass(cloth.mesh, term.vertex);
-    H.block<3, 3>(at, at) += weight * term.direction * term.direction.transpose();
-    f.segment<3>(at) += weight * term.value * term.direction;
-  }
-}
-
 /// Range and null space of rows A that do not depend on each other: A^T = Q (R; 0).
 struct RowSpaces {
   MatX range, null, R;  ///< orthonormal columns; R upper triangular

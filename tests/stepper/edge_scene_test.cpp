@@ -3,6 +3,7 @@
 // The shipped scene `edge`, run whole and judged from outside: on the frames it wrote, with its own box and pull.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -56,20 +57,23 @@ void judge_contact(const std::vector<Frame>& frames) {
   ASSERT_GE(frames.size(), 240u);
   double farthest = 0, deepest = 0, off_feature = 0;
   int judged = 0;
+  std::size_t fewest = frames.size();
   for (const Frame& frame : frames) {
     deepest = std::max(deepest, testing::box_penetration(frame, box_low, box_high));
-    for (const int v : frame.eol)
-      off_feature = std::max(off_feature, std::hypot(frame.x[v].x() - edge_x, frame.x[v].z() - edge_z));
     if (frame.time < settled || border_has_passed(frame)) continue;
     ++judged;
+    fewest = std::min(fewest, frame.time < 3 ? frame.eol.size() : fewest);
+    for (const int v : frame.eol)
+      off_feature = std::max(off_feature, std::hypot(frame.x[v].x() - edge_x, frame.x[v].z() - edge_z));
     for (double y = 0.05; y < 0.96; y += 0.05)
       farthest = std::max(farthest, testing::distance_to_surface(frame, {edge_x, y, edge_z}));
   }
   EXPECT_GE(judged, 150);
   EXPECT_LE(farthest, 5e-4) << "surface to edge line [m]";
   EXPECT_LE(deepest, 1e-3) << "penetration on the lattice [m]";
-  // A vertex that hovers is released at half the contact threshold along either normal.
-  EXPECT_LE(off_feature, std::sqrt(2.0) * 5e-4) << "EOL vertex to edge line [m]";
+  // A vertex whose contact opens hovers, and is let go at 5e-4 m; none gets there (2.3e-4 m is the most seen).
+  EXPECT_LE(off_feature, 4e-4) << "EOL vertex to edge line [m]";
+  EXPECT_GE(fewest, 10u) << "vertices of the chain, which none may leave";
 }
 
 /// Least-squares slope of the overhang over a span of time.
@@ -83,13 +87,25 @@ double slide_speed(const std::vector<Frame>& frames, double from, double to) {
   return -(n * ty - t * y) / (n * tt - t * t);
 }
 
-/// Largest jump between frames of a vertex of the sliding part, in [from, to]. The strip along the held corners, which
-/// flutters and slaps onto the table, is left out.
-double sliding_jump(std::vector<Frame> frames, double from, double to) {
+const Frame& frame_at(const std::vector<Frame>& frames, double time) {
+  return *std::min_element(frames.begin(), frames.end(), [&](const Frame& a, const Frame& b) {
+    return std::abs(a.time - time) < std::abs(b.time - time);
+  });
+}
+
+/// What the sheet's way from the corners, held at height z = .049 m, down to the table costs of its length. Under the
+/// tension rho g o of an overhang o it comes down along the parabola x^2 / (2 o), over d = sqrt(2 z o); the excess of
+/// its length over d is the integral of (x / o)^2 / 2.
+double sag_length(double overhang) {
+  return std::pow(2 * 0.049 * overhang, 1.5) / (6 * overhang * overhang);
+}
+
+/// Largest jump of a vertex against its neighbours between frames, from settling to the passage of the border [m/s].
+double largest_jump(const std::vector<Frame>& frames) {
   double jump = 0;
   for (std::size_t k = 1; k < frames.size(); ++k)
-    if (frames[k].time >= from && frames[k].time <= to)
-      jump = std::max(jump, testing::largest_jump(frames[k - 1], frames[k], [](const Vec2& X) { return X.x() < 0.6; }));
+    if (frames[k].time >= settled && !border_has_passed(frames[k]))
+      jump = std::max(jump, testing::largest_jump(frames[k - 1], frames[k]));
   return jump;
 }
 
@@ -99,19 +115,25 @@ TEST(EdgeScene, SlidesOverTheEdgeAtFiveHundredFaces) {
 }
 
 TEST(EdgeScene, OverhangShortensAtThePullSpeed) {
-  // Ten times stiffer than the shipped sheet, whose stretch under the overhang's weight (1 % of its length, at the held
-  // corners more) is given back as the overhang shrinks and adds 7 % to the pull.
+  // The shipped scene holds the corners 49 mm above the table: see sag_length(). Here they are held at the height of
+  // the table: what is left is the stretch given back, rho g / E of the pull, 1e-3.
   const auto frames = run_edge({{"cloths.0.shape.grid.cells", "[11,11]"},
                                 {"cloths.0.remeshing.size", "[0.05,0.12]"},
-                                {"cloths.0.material.youngs", "500"}},
-                               "stiff");
+                                {"cloths.0.placement", R"({"origin": [0, 0, -0.0485]})"}},
+                               "level");
   judge_contact(frames);
-  EXPECT_NEAR(slide_speed(frames, 0.8, 2.4), pull_speed, 0.03 * pull_speed);
-  EXPECT_LE(sliding_jump(frames, settled, 3.2), 0.2) << "vertex against its neighbours [m/s]";
+  EXPECT_NEAR(slide_speed(frames, settled, 3.2), pull_speed, 0.01 * pull_speed);
+  EXPECT_LE(largest_jump(frames), 0.2) << "vertex against its neighbours [m/s]";
 }
 
 TEST(EdgeScene, SlidesOverTheEdgeAsShipped) {
-  judge_contact(run_edge({}, "shipped"));
+  const auto frames = run_edge({}, "shipped");
+  judge_contact(frames);
+  EXPECT_LE(largest_jump(frames), 0.2) << "vertex against its neighbours [m/s]";
+  const Frame &first = frame_at(frames, settled), &last = frame_at(frames, 3.0);
+  const double pulled = pull_speed * (last.time - first.time);
+  EXPECT_NEAR(overhang(first) - overhang(last), pulled + sag_length(overhang(last)) - sag_length(overhang(first)),
+              0.03 * pulled);
 }
 
 }  // namespace

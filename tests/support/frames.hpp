@@ -114,10 +114,8 @@ inline Vec3 world_of(const Frame& frame, const Vec2& X) {
   return result;
 }
 
-/// Largest speed of a material point between two frames relative to the mean of its mesh neighbours' speeds, over the
-/// vertices whose material position is `of_interest`.
-template <class Predicate>
-double largest_jump(const Frame& before, const Frame& after, Predicate of_interest) {
+/// Largest speed of a material point between two frames relative to the mean of its mesh neighbours' speeds.
+inline double largest_jump(const Frame& before, const Frame& after) {
   std::vector<Vec3> speed(after.x.size());
   for (std::size_t i = 0; i < after.x.size(); ++i)
     speed[i] = (after.x[i] - world_of(before, after.X[i])) / (after.time - before.time);
@@ -132,7 +130,7 @@ double largest_jump(const Frame& before, const Frame& after, Predicate of_intere
     }
   double largest = 0;
   for (std::size_t i = 0; i < after.x.size(); ++i)
-    if (of_interest(after.X[i])) largest = std::max(largest, (speed[i] - sum[i] / count[i]).norm());
+    largest = std::max(largest, (speed[i] - sum[i] / count[i]).norm());
   return largest;
 }
 

@@ -10,7 +10,7 @@ namespace crease {
 namespace {
 
 /// Gap up to which an EOL vertex counts as standing on its feature, as a share of the contact threshold: far above
-/// round-off and the regularised motion of a flat cloth, far below what is seen.
+/// round-off, far below what is seen.
 constexpr double closed_share = 1e-3;
 
 /// Gap at which it has separated. In between it hovers: it keeps its five unknowns and its rows, which let it return,

@@ -80,7 +80,10 @@ void Sheets::restart(std::vector<Cloth> cloths) {
 void Sheets::make_steppers() {
   steppers_.clear();
   for (const ClothSpec& spec : scene_.cloths) {
-    SheetSettings settings{spec.material, {scene_.gravity, scene_.velocity_terms}, scene_.threshold, spec.pins};
+    // Half a threshold a step of the scene, and no faster in the parts of a step that is retried.
+    const double push_out_speed = 0.5 * scene_.threshold / scene_.time_step;
+    SheetSettings settings{
+        spec.material, {scene_.gravity, scene_.velocity_terms}, scene_.threshold, push_out_speed, spec.pins};
     steppers_.emplace_back(std::move(settings), make_stages_(scene_, spec));
   }
 }

@@ -48,6 +48,7 @@ RemeshResult chain_passes(RemeshResult first, RemeshResult second) {
   b.splits += a.splits;
   b.flips += a.flips;
   b.collapses += a.collapses;
+  b.before = a.before;
   b.momentum_change += a.momentum_change;
   b.refusals.insert(b.refusals.begin(), a.refusals.begin(), a.refusals.end());
   return second;
@@ -71,12 +72,14 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
                                               std::span<const PosedObstacle> obstacles,
                                               double) { return adapt(cloth, options, obstacles); };
   if (spec.remeshing == RemeshMethod::Conformal)
-    stages.remesh = [options = adapt_options](const Cloth& cloth, std::span<const Contact> contacts,
-                                              std::span<const PosedObstacle> obstacles, double h) {
+    // The way ahead is that of whole steps, also in the parts of one that is retried: less room would defeat the retry.
+    stages.remesh = [options = adapt_options, look_ahead = steps_ahead * scene.time_step](
+                        const Cloth& cloth, std::span<const Contact> contacts, std::span<const PosedObstacle> obstacles,
+                        double) {
       ConformOptions conform_options;
       conform_options.snap = options.threshold;
       conform_options.merge = merge_distance(cloth, options);
-      conform_options.look_ahead = steps_ahead * h;
+      conform_options.look_ahead = look_ahead;
       conform_options.clearance = clearance_share_of_longest * options.size[1];
       RemeshResult conformed = conform(cloth, contacts, obstacles, conform_options);
       RemeshResult adapted = adapt(conformed.cloth, options);

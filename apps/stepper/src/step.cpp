@@ -47,24 +47,8 @@ std::vector<PosedObstacle> pose_all(std::span<const Obstacle> obstacles, double 
   return posed;
 }
 
-double lumped_mass(const Mesh& mesh, int vertex, double density) {
-  double area = 0;
-  for (const int h : mesh.outgoing(vertex)) area += mesh.material_area(Mesh::face_of(h));
-  return density * area / 3;
-}
-
-QpProblem make_problem(const AssembledSystem& system, const ConstraintRows& rows, const DofMap& dofs, const Mesh& mesh,
-                       double density) {
-  QpProblem problem{system.H, system.rhs, rows.A_eq, rows.A_in, rows.b_eq, rows.b_in, dofs.start};
-  for (const auto& term : rows.regularisation) {
-    const int at = dofs.x(term.vertex);
-    const double weight = term.scale * lumped_mass(mesh, term.vertex, density);
-    for (int j = 0; j < 3; ++j) {
-      for (int i = 0; i < 3; ++i) problem.H.coeffRef(at + i, at + j) += weight * term.direction[i] * term.direction[j];
-      problem.f[at + j] += weight * term.value * term.direction[j];
-    }
-  }
-  return problem;
+QpProblem make_problem(const AssembledSystem& system, const ConstraintRows& rows, const DofMap& dofs) {
+  return {system.H, system.rhs, rows.A_eq, rows.A_in, rows.b_eq, rows.b_in, dofs.start};
 }
 
 bool all_finite(const Cloth& cloth) {
@@ -253,7 +237,7 @@ void SheetStepper::Impl::constrain(Work& work) {
     pins.push_back(pin_state(settings.pins[k], static_cast<int>(k), work.time, work.h));
   ConstraintOptions options;
   options.h = work.h;
-  options.threshold = settings.threshold;
+  options.push_out_speed = settings.push_out_speed;
   work.rows = build_constraints(work.cloth, work.dofs, work.contacts, work.posed, pins, options);
   work.report.times.constrain = work.watch.lap();
 }
@@ -262,8 +246,7 @@ bool SheetStepper::Impl::solve(Work& work) {
   VecX free_velocity = gather_velocity(work.cloth, work.dofs);
   for (int v = 0; v < work.cloth.mesh.n_vertices(); ++v)
     free_velocity.segment<3>(work.dofs.x(v)) += work.h * settings.dynamics.gravity;
-  work.solution = stages.solve(make_problem(*system, work.rows, work.dofs, work.cloth.mesh, settings.material.density),
-                               guess(work.rows, free_velocity));
+  work.solution = stages.solve(make_problem(*system, work.rows, work.dofs), guess(work.rows, free_velocity));
   const QpResult& solution = work.solution;
   work.report.qp_iterations = solution.iterations;
   work.report.kkt_residual = solution.kkt_residual;

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "cone.hpp"
+#include "crease/geometry/normal_cone.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "surface.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "placed.hpp"
 
-#include "cone.hpp"
+#include "crease/geometry/normal_cone.hpp"
 #include "crease/base/require.hpp"
 
 namespace crease {

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "cone.hpp"
+#include "crease/geometry/normal_cone.hpp"
 
 namespace crease {
 namespace {

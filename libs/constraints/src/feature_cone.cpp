@@ -18,8 +18,8 @@ std::vector<Vec3> across(const Vec3& axis) {
 // In the obstacle's own frame.
 FeatureCone edge_cone(const SharpEdge& edge) {
   FeatureCone cone{.point = edge.a};
+  cone.tangent = (edge.b - edge.a).normalized();
   if (edge.free_cone) {
-    cone.tangent = (edge.b - edge.a).normalized();
     cone.holds = across(cone.tangent);
   } else {
     cone.normals.assign(edge.normals.begin(), edge.normals.end());

@@ -74,7 +74,7 @@ bool FreeDirections::leaves_free(const Vec3& direction, std::span<const Term> te
 }
 
 double gap_velocity(double gap, const ConstraintOptions& options) {
-  return gap >= 0 ? -gap / options.h : std::min(-gap / options.h, options.threshold / options.return_time);
+  return gap >= 0 ? -gap / options.h : std::min(-gap / options.h, options.push_out_speed);
 }
 
 void sort_rows(std::vector<Row>& rows) {

@@ -26,7 +26,6 @@ struct Builder {
 
   FreeDirections free{cloth.mesh.vertex_slots()};
   std::vector<Row> eq = {}, in = {};
-  std::vector<ConstraintRows::Regularisation> regularisation = {};
 
   void add_pin(int vertex, std::span<const PinState> pins);
   void add_eol_world(int vertex);
@@ -50,14 +49,19 @@ void Builder::add_pin(int vertex, std::span<const PinState> pins) {
   }
 }
 
-// Lagrangian part of Algorithm 2. The gap is round-off when the vertex stands on its feature; its row then says
-// n_k . xdot >= n_k . v_obstacle, and otherwise leads the vertex back.
+// Lagrangian part of Algorithm 2, in other coordinates than the paper's. It asks n_k . xdot >= n_k . v_obstacle of
+// every face normal. But material slides freely across the feature, so the reaction is along the cloth's own normal N
+// there, which lies in the cone: N . xdot >= N . v_obstacle bears it all. Across it no force acts, on flat cloth no
+// inertia either, where x and X slide against each other; there the vertex is held, so that it stands on its feature
+// until N opens. The gap is round-off while it does; else the rows lead it back.
 void Builder::add_eol_world(int vertex) {
   const FeatureId& feature = cloth.feature[vertex];
   FeatureCone cone = feature_cone(feature, obstacles);
   if (cone.normals.empty()) {
     const Vec3 normal = wire_normal(cloth, vertex, cone.tangent);
     if (!normal.isZero()) lie_on(cone, normal);
+  } else if (cone.holds.empty()) {
+    lie_on(cone, support_normal(cloth, vertex, cone.tangent, cone.normals));
   }
   const Vec3& x = cloth.mesh.x[vertex];
   const Vec3 velocity = obstacles[feature.obstacle].pose.velocity_at(x);
@@ -80,10 +84,6 @@ void Builder::add_eol_world(int vertex) {
     const double carried = normal.dot(velocity);
     const double gap = normal.dot(x - cone.point);
     add_inequality(info(RowKind::EolNormal, k, normal), {&term, 1}, carried + gap_velocity(gap, options));
-    // What holds across decides flat cloth as well.
-    if (!cone.holds.empty()) continue;
-    const double back = std::max(gap, 0.0) / std::max(options.return_time, options.h);
-    regularisation.push_back({vertex, normal, carried - back, options.h / options.return_time});
   }
 }
 
@@ -141,7 +141,6 @@ ConstraintRows Builder::finish() {
   };
   fill(eq, rows.A_eq, rows.b_eq, rows.eq);
   fill(in, rows.A_in, rows.b_in, rows.in);
-  rows.regularisation = std::move(regularisation);
   return rows;
 }
 
@@ -151,8 +150,7 @@ ConstraintRows build_constraints(const Cloth& cloth, const DofMap& dofs, std::sp
                                  std::span<const PosedObstacle> obstacles, std::span<const PinState> pins,
                                  const ConstraintOptions& options) {
   const int n = cloth.mesh.vertex_slots();
-  require(options.h > 0 && options.threshold >= 0 && options.return_time > 0,
-          "build_constraints: expected h > 0, threshold >= 0 and return_time > 0");
+  require(options.h > 0 && options.push_out_speed >= 0, "build_constraints: expected h > 0 and push_out_speed >= 0");
   require(static_cast<int>(dofs.start.size()) == n + 1, "build_constraints: expected the dof map of this cloth");
   for (const PinState& pin : pins) {
     require(pin.index >= 0 && pin.index < 64, "build_constraints: expected pin indices in [0, 64)");

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "crease/geometry/normal_cone.hpp"
 #include "crease/geometry/triangle.hpp"
 
 namespace crease {
@@ -89,6 +90,14 @@ Vec3 wire_normal(const Cloth& cloth, int vertex, const Vec3& tangent) {
   if (fold.outward.norm() <= fold.normal.norm()) return unit_across(normal, tangent);
   const bool bent_away = fold.normal.norm() > sharp_fold && normal.dot(fold.outward) < 0;
   return unit_across(bent_away ? Vec3(-fold.outward) : fold.outward, tangent);
+}
+
+Vec3 support_normal(const Cloth& cloth, int vertex, const Vec3& tangent, std::span<const Vec3> normals) {
+  const FoldSides fold = fold_sides(cloth.mesh, vertex, tangent);
+  const Vec3 mean = mean_normal(normals);
+  const Vec3 normal = unit_across(fold.outward.norm() <= fold.normal.norm() ? fold.normal : fold.outward, tangent);
+  if (normal.isZero()) return mean;
+  return nearest_in_cone(normals, normal.dot(mean) < 0 ? Vec3(-normal) : normal);
 }
 
 void spread_wire_sides(Cloth& cloth, std::span<const PosedObstacle> obstacles) {

@@ -17,9 +17,9 @@ namespace crease {
 // -- shares of `merge` (material space)
 // ---------------------------------------------------------------------------------
 /// A chain this near to a border that runs along it, or to a material corner, is released.
-inline constexpr double release_share = 0.75;
+inline constexpr double release_share = 0.35;
 /// Nothing is inserted nearer to such a border than this: the gap to release_share is the hysteresis.
-inline constexpr double insert_border_share = 1;
+inline constexpr double insert_border_share = 0.5;
 /// A crossing this near to an end of its cloth edge makes that end the EOL vertex, instead of a new one beside it.
 inline constexpr double adopt_share = 0.25;
 /// Neighbours on a chain nearer than this become one. Below sqrt(1 - thin_share^2): see merge.cpp.

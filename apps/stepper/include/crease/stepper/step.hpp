@@ -51,7 +51,8 @@ struct Stages {
 struct SheetSettings {
   Material material;
   DynamicsOptions dynamics;
-  double threshold = 1e-3;  ///< contact threshold [m]
+  double threshold = 1e-3;      ///< contact threshold [m]
+  double push_out_speed = 0.1;  ///< see ConstraintOptions [m/s]
   std::vector<PinSpec> pins;
 };
 

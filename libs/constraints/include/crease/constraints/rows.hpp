@@ -14,10 +14,10 @@ namespace crease {
 
 enum class RowKind {
   Pin,         ///< xdot . axis = scripted velocity
-  EolNormal,   ///< n_k . xdot >= n_k . v_obstacle (- gap/h) at an EOL vertex; `slot` = k
+  EolNormal,   ///< N . xdot >= N . v_obstacle - gap/h at an EOL vertex, N the cloth's normal in the feature's cone
   EolTangent,  ///< t . Xdot = 0, interior EOL vertex on an edge
   EolBorder,   ///< b . Xdot = 0, EOL vertex on the cloth's border
-  EolHold,     ///< xdot held on a point or across a wire
+  EolHold,     ///< xdot held across N
   Contact      ///< n . (sum w_i xdot_i) >= n . v_obstacle - gap/h, Lagrangian vertices
 };
 
@@ -30,24 +30,11 @@ struct RowInfo {
   Vec3 normal = Vec3::Zero();
 };
 
-/// A_eq qdot = b_eq, A_in qdot >= b_in (Eq. 12), and a small quadratic term that makes the minimiser unique.
+/// A_eq qdot = b_eq, A_in qdot >= b_in (Eq. 12).
 struct ConstraintRows {
   SparseRows A_eq, A_in;
   VecX b_eq, b_in;
   std::vector<RowInfo> eq, in;
-  /// scale m/2 (direction . xdot_vertex - value)^2 is added to the objective, m the lumped mass of the vertex. On flat
-  /// cloth x and X of an EOL vertex slide against each other across its edge without moving any material, so that
-  /// motion has no inertia, and any force along it blows it up. The term gives it some and leads the vertex back onto
-  /// its edge: with h/t_r of m and -gap/t_r it is a drag of rate 1/t_r, independent of the step. Where the contact is
-  /// active it changes nothing; cloth that lifts off feels it for its first fractions of a millimetre, with less than
-  /// m gap / t_r^2.
-  struct Regularisation {
-    int vertex;
-    Vec3 direction;
-    double value;  ///< normal . v_obstacle - gap/t_r, the gap counted where it is open [m/s]
-    double scale;  ///< h/t_r: share of the lumped mass of the vertex
-  };
-  std::vector<Regularisation> regularisation;
 };
 
 /// One pin, resolved to this instant.
@@ -59,9 +46,8 @@ struct PinState {
 };
 
 struct ConstraintOptions {
-  double h = 0;               ///< time step [s], > 0
-  double threshold = 1e-3;    ///< contact threshold [m]
-  double return_time = 0.01;  ///< t_r > 0: a penetration is pushed out at threshold/t_r at most; see Regularisation [s]
+  double h = 0;                 ///< time step [s], > 0
+  double push_out_speed = 0.1;  ///< at which a penetration, or an EOL vertex off its place, is led back at most [m/s]
 };
 
 /// Algorithm 2 of the paper with signs from the obstacle, border rule, Lagrangian contacts, pins, right-hand sides with

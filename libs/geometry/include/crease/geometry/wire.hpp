@@ -19,6 +19,12 @@ bool is_on_wire(const FeatureId& feature, const ObstacleShape& shape);
 /// Zero where it is not known: side 0, or no faces.
 Vec3 wire_normal(const Cloth& cloth, int vertex, const Vec3& tangent);
 
+/// Direction in which an edge or corner between faces pushes the EOL vertex that rides on it: the normal of the cloth
+/// there, turned to the outside, on a fold its bisector; or the nearest to it in the cone of `normals`. Unit.
+/// @param tangent  of the edge, unit; zero at a corner
+/// @pre normals not empty
+Vec3 support_normal(const Cloth& cloth, int vertex, const Vec3& tangent, std::span<const Vec3> normals);
+
 /// Gives EOL vertices on wires whose side is not known, because a link or a split of their chain made them, that of
 /// their neighbours on the chain; with none, the side on which they are.
 void spread_wire_sides(Cloth& cloth, std::span<const PosedObstacle> obstacles);

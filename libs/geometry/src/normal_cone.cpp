@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cone.hpp"
+#include "crease/geometry/normal_cone.hpp"
 
 #include <algorithm>
 #include <cmath>
