@@ -129,8 +129,7 @@ inline double largest_jump(const Frame& before, const Frame& after) {
       }
     }
   double largest = 0;
-  for (std::size_t i = 0; i < after.x.size(); ++i)
-    largest = std::max(largest, (speed[i] - sum[i] / count[i]).norm());
+  for (std::size_t i = 0; i < after.x.size(); ++i) largest = std::max(largest, (speed[i] - sum[i] / count[i]).norm());
   return largest;
 }
 

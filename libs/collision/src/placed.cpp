@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "placed.hpp"
 
-#include "crease/geometry/normal_cone.hpp"
 #include "crease/base/require.hpp"
+#include "crease/geometry/normal_cone.hpp"
 
 namespace crease {
 namespace {

@@ -51,8 +51,8 @@ class FreeDirections {
 };
 
 /// Velocity towards the cloth's side, relative to the obstacle, that a gap asks for at least [m/s]: a positive gap may
-/// close within the step; a penetration is pushed out, no faster than `push_out_speed`, so that a deep one (a bad start,
-/// an obstacle that jumps) is not turned into kinetic energy at once.
+/// close within the step; a penetration is pushed out, no faster than `push_out_speed`, so that a deep one (a bad
+/// start, an obstacle that jumps) is not turned into kinetic energy at once.
 double gap_velocity(double gap, const ConstraintOptions& options);
 
 /// Sorts by vertex, kind, feature, slot, and numbers contacts that agree in all of these by their order of arrival.
