@@ -84,6 +84,22 @@ TEST(Step, FallsFreelyAsTheSchemeDoes) {
   }
 }
 
+// At rest the sheet is farther from the box than the contact threshold, but in one step it falls through 16 mm.
+TEST(Step, CatchesASheetThatFallsFromRestWithinOneStep) {
+  const double h = 0.04, gap = 2e-3;
+  Scene scene;
+  scene.gravity = {0, 0, -9.81};
+  scene.obstacles.push_back({.name = "box", .shape = make_box({2, 2, 0.02}), .start = {}, .motion = {}});
+  scene.obstacles[0].start.position = {0.5, 0.5, -0.01 - gap};
+  ClothSpec spec;
+  SheetSettings settings;
+  settings.dynamics.gravity = scene.gravity;
+  SheetStepper stepper(settings, make_stages(scene, spec));
+  const StepResult result = stepper.step(make_cloth(make_grid({})), scene.obstacles, 0, h);
+  ASSERT_EQ(result.report.status, StepStatus::Done);
+  for (const Vec3& x : result.cloth.mesh.x) EXPECT_NEAR(x.z(), -gap, 1e-9);
+}
+
 TEST(Step, LeavesTheGivenClothAloneAndRefusesWhatIsNotFinite) {
   Cloth cloth = make_cloth(make_grid({}));
   const auto before = cloth.mesh.x;

@@ -60,9 +60,9 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
   Stages stages;
   if (!scene.obstacles.empty()) {
     auto detector = std::make_shared<Detector>();
-    stages.detect = [detector, threshold = scene.threshold](const Cloth& cloth,
-                                                            std::span<const PosedObstacle> obstacles, double h) {
-      return detector->detect(cloth, obstacles, {threshold, h});
+    stages.detect = [detector, threshold = scene.threshold, g = scene.gravity.norm()](
+                        const Cloth& cloth, std::span<const PosedObstacle> obstacles, double h) {
+      return detector->detect(cloth, obstacles, {threshold, h, g * h * h});
     };
   }
   AdaptOptions adapt_options = spec.adapt;

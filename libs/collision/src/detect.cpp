@@ -75,7 +75,7 @@ double largest_reach(const Cloth& cloth, const Pose& pose, const DetectOptions& 
       speed2 = std::max(speed2, (cloth.v[k] - pose.velocity_at(cloth.mesh.x[k])).squaredNorm());
     }
   }
-  return options.threshold + options.look_ahead * std::sqrt(speed2);
+  return options.threshold + options.margin + options.look_ahead * std::sqrt(speed2);
 }
 
 Eigen::AlignedBox3d grown(const Eigen::AlignedBox3d& bounds, double by) {
@@ -86,6 +86,7 @@ Eigen::AlignedBox3d grown(const Eigen::AlignedBox3d& bounds, double by) {
 void check(const Cloth& cloth, std::span<const PosedObstacle> obstacles, const DetectOptions& options) {
   require(std::isfinite(options.threshold) && options.threshold >= 0, "detect: expected a finite threshold >= 0");
   require(std::isfinite(options.look_ahead) && options.look_ahead >= 0, "detect: expected a finite look-ahead >= 0");
+  require(std::isfinite(options.margin) && options.margin >= 0, "detect: expected a finite margin >= 0");
   for (int i = 0; i < cloth.mesh.vertex_slots(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     require(!cloth.mesh.vertex_live(i) || (cloth.mesh.x[k].allFinite() && cloth.v[k].allFinite()),

@@ -65,7 +65,7 @@ Vec3 NarrowPhase::relative_velocity(int vertex) const {
 }
 
 double NarrowPhase::reach(const Vec3& velocity) const {
-  return options_.threshold + options_.look_ahead * velocity.norm();
+  return options_.threshold + options_.margin + options_.look_ahead * velocity.norm();
 }
 
 bool NarrowPhase::on_feature(int vertex, FeatureKind kind, int index) const {

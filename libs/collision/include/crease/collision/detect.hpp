@@ -14,6 +14,7 @@ namespace crease {
 struct DetectOptions {
   double threshold = 1e-3;  ///< contacts nearer than this are always reported [m]
   double look_ahead = 0;    ///< and those that relative motion can bring nearer than it within this time [s]
+  double margin = 0;        ///< and by this much more, as forces may change that motion meanwhile [m]
 };
 
 /// Finds contacts; keeps its bounding-volume tree between calls (refitted while the topology stays, else rebuilt).
