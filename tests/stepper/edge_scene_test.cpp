@@ -5,13 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "crease/stepper/run.hpp"
-#include "crease/stepper/scene_io.hpp"
-#include "support/frames.hpp"
+#include "support/scene_run.hpp"
 
 namespace crease {
 namespace {
@@ -24,18 +21,8 @@ constexpr double edge_x = 0.3175, edge_z = -0.049;
 constexpr double pull_speed = 0.1;
 constexpr double settled = 0.6;  ///< the swing of the overhang after the fall has died down [s]
 
-std::vector<Frame> run_edge(const std::vector<std::pair<std::string, std::string>>& changes, const std::string& name) {
-  auto overrides = changes;
-  overrides.emplace_back("output.formats", R"(["obj"])");
-  const LoadedScene scene = load_scene(std::filesystem::path(CREASE_SCENES) / "edge.json", overrides);
-  RunOptions options;
-  options.directory = std::filesystem::temp_directory_path() / ("crease_" + name);
-  std::filesystem::remove_all(options.directory);
-  const RunResult result = run_scene(scene, options);
-  EXPECT_EQ(result.status, RunStatus::Done) << result.message;
-  auto frames = testing::read_frames(options.directory);
-  std::filesystem::remove_all(options.directory);
-  return frames;
+std::vector<Frame> run_edge(const std::vector<std::pair<std::string, std::string>>& changes, const std::string& label) {
+  return testing::run_shipped("edge", changes, label);
 }
 
 /// Material overhang: how much cloth is left of the edge along its middle line.

@@ -5,13 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "crease/stepper/run.hpp"
-#include "crease/stepper/scene_io.hpp"
-#include "support/frames.hpp"
+#include "support/scene_run.hpp"
 
 namespace crease {
 namespace {
@@ -20,19 +17,9 @@ using testing::Frame;
 
 constexpr double threshold = 1e-3;
 
-std::vector<Frame> run_shipped(const std::string& name, double until, const std::string& size) {
-  const LoadedScene scene = load_scene(
-      std::filesystem::path(CREASE_SCENES) / (name + ".json"),
-      {{"output.formats", R"(["obj"])"}, {"cloths.0.remeshing.size", size}, {"cloths.0.shape.grid.cells", "[10,10]"}});
-  RunOptions options;
-  options.directory = std::filesystem::temp_directory_path() / ("crease_coarse_" + name);
-  options.until = until;
-  std::filesystem::remove_all(options.directory);
-  const RunResult result = run_scene(scene, options);
-  EXPECT_EQ(result.status, RunStatus::Done) << result.message;
-  auto frames = testing::read_frames(options.directory);
-  std::filesystem::remove_all(options.directory);
-  return frames;
+std::vector<Frame> run_coarse(const std::string& name, double until, const std::string& size) {
+  return testing::run_shipped(name, {{"cloths.0.remeshing.size", size}, {"cloths.0.shape.grid.cells", "[10,10]"}},
+                              "coarse", until);
 }
 
 /// Mean material place of the fold, across it.
@@ -45,7 +32,7 @@ double fold_place(const Frame& frame) {
 // scenes/wire.json: the wire is at y = .51 and ends at z = .49; the borders come to y = .4 and .6, at z = 0; one goes
 // up by .15 until 1 s, the other down, and back until 1.3 s.
 TEST(WireScene, FoldsOverTheWireAndSlidesToAndFro) {
-  const std::vector<Frame> frames = run_shipped("wire", 1.4, "[0.05,0.1]");
+  const std::vector<Frame> frames = run_coarse("wire", 1.4, "[0.05,0.1]");
   ASSERT_GE(frames.size(), 80u);
   double at_rest = 0, farthest = 0, back = 0;
   for (const Frame& frame : frames) {
@@ -71,7 +58,7 @@ TEST(WireScene, FoldsOverTheWireAndSlidesToAndFro) {
 // moments where the swinging sheet jumps off one by more than the hover; and material slides over them after the held
 // corners, which go .08 m from .5 s on.
 TEST(NailsScene, SlidesOverEveryTipWithoutASnag) {
-  const std::vector<Frame> frames = run_shipped("nails", 0.75, "[0.04,0.08]");
+  const std::vector<Frame> frames = run_coarse("nails", 0.75, "[0.04,0.08]");
   ASSERT_GE(frames.size(), 45u);
   double first = 0, last = 0;
   int judged = 0, complete = 0;
