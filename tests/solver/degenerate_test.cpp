@@ -183,11 +183,24 @@ TEST(IndefiniteQp, IsReported) {
   EXPECT_FALSE(result.message.empty());
 }
 
-TEST(QpBudget, EndsTheSearchWithTheBestPointSoFar) {
+TEST(QpBudget, SpentByTheActiveSetLeavesTheAnswerToTheReference) {
   Random random(9);
   QpProblem problem = support::cloth_like(random, {.side = 8});
   support::add_contacts(random, {.share = 0.8}, problem);
-  const QpResult result = solve(problem, {.max_iterations = 1});
+  const QpResult plain = solve(problem), result = solve(problem, {.max_iterations = 1});
+  ASSERT_EQ(plain.status, QpStatus::Solved);
+  EXPECT_FALSE(plain.fell_back);
+  ASSERT_EQ(result.status, QpStatus::Solved) << result.message;
+  EXPECT_TRUE(result.fell_back);
+  EXPECT_LE(result.kkt_residual, 1e-8);
+  EXPECT_LE((result.q - plain.q).norm(), 1e-6 * plain.q.norm());  // 1e-8 of the forces, times the condition of H
+}
+
+TEST(QpBudget, EndsTheSearchWithTheBestPointSoFar) {
+  Random random(9);
+  QpProblem problem = support::cloth_like(random, {.side = 12});
+  support::add_contacts(random, {.share = 0.8, .degenerate = true, .edge_edge = 20}, problem);
+  const QpResult result = make_qp_solver(QpMethod::Ipopt)->solve(problem, {.max_iterations = 1});
   EXPECT_EQ(result.status, QpStatus::IterationLimit);
   EXPECT_EQ(result.iterations, 1);
   ASSERT_EQ(result.q.size(), problem.f.size());

@@ -14,7 +14,7 @@ namespace {
 
 using support::dense_problem;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// minimise q0^2 + q1^2 - 2 q0 - 6 q1 with q0 + q1 = 2 and q1 >= 3: q = (-1, 3), by hand lambda_eq = -4, lambda_in = 4.
 QpProblem by_hand() {
@@ -60,9 +60,9 @@ TEST(KktResidual, DependsNeitherOnUnitsNorOnTheScaleOfARow) {
 TEST(KktResidual, IsInfiniteForNumbersThatAreNotFinite) {
   const QpProblem problem = by_hand();
   const Point p;
-  EXPECT_TRUE(std::isinf(kkt_residual(problem, VecX::Constant(2, kNaN), p.eq, p.in)));
-  EXPECT_TRUE(std::isinf(kkt_residual(problem, p.q, VecX::Constant(1, kNaN), p.in)));
-  EXPECT_TRUE(std::isinf(kkt_residual(problem, p.q, p.eq, VecX::Constant(1, kNaN))));
+  EXPECT_TRUE(std::isinf(kkt_residual(problem, VecX::Constant(2, nan), p.eq, p.in)));
+  EXPECT_TRUE(std::isinf(kkt_residual(problem, p.q, VecX::Constant(1, nan), p.in)));
+  EXPECT_TRUE(std::isinf(kkt_residual(problem, p.q, p.eq, VecX::Constant(1, nan))));
   EXPECT_TRUE(std::isinf(kkt_residual(problem, p.q, p.eq, VecX())));
 }
 
@@ -82,16 +82,16 @@ TEST(RequireValid, RejectsMalformedProblems) {
     for (const QpMethod method : {QpMethod::ActiveSet, QpMethod::Ipopt})
       EXPECT_THROW(make_qp_solver(method)->solve(problem), std::invalid_argument);
   };
-  rejects([](QpProblem& p) { p.f[0] = kNaN; });
+  rejects([](QpProblem& p) { p.f[0] = nan; });
   rejects([](QpProblem& p) { p.f.conservativeResize(3); });
-  rejects([](QpProblem& p) { p.H.coeffRef(0, 0) = kNaN; });
+  rejects([](QpProblem& p) { p.H.coeffRef(0, 0) = nan; });
   rejects([](QpProblem& p) { p.H.coeffRef(1, 1) = std::numeric_limits<double>::infinity(); });
   rejects([](QpProblem& p) { p.H.insert(0, 1) = 1, p.H.makeCompressed(); });  // upper triangle only
   rejects([](QpProblem& p) { p.H.insert(1, 0) = 1, p.H.makeCompressed(); });  // lower triangle only
   rejects([](QpProblem& p) { p.H.insert(1, 0) = 1, p.H.insert(0, 1) = 2, p.H.makeCompressed(); });
-  rejects([](QpProblem& p) { p.b_eq[0] = kNaN; });
+  rejects([](QpProblem& p) { p.b_eq[0] = nan; });
   rejects([](QpProblem& p) { p.b_in[0] = -std::numeric_limits<double>::infinity(); });
-  rejects([](QpProblem& p) { p.A_in.coeffRef(0, 1) = kNaN; });
+  rejects([](QpProblem& p) { p.A_in.coeffRef(0, 1) = nan; });
   rejects([](QpProblem& p) { p.A_in = SparseRows(1, 3); });
   rejects([](QpProblem& p) { p.A_eq = SparseRows(2, 2); });
   rejects([](QpProblem& p) { p.blocks = {0, 1}; });
@@ -105,7 +105,7 @@ TEST(QpSolver, RejectsMalformedOptionsAndGuesses) {
     EXPECT_THROW(solver->solve(by_hand(), {}, std::vector<char>(2)), std::invalid_argument);
     EXPECT_THROW(solver->solve(by_hand(), {.tolerance = 0}), std::invalid_argument);
     EXPECT_THROW(solver->solve(by_hand(), {.max_iterations = 0}), std::invalid_argument);
-    EXPECT_THROW(solver->solve(by_hand(), {.tolerance = kNaN}), std::invalid_argument);
+    EXPECT_THROW(solver->solve(by_hand(), {.tolerance = nan}), std::invalid_argument);
   }
 }
 

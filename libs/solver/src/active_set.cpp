@@ -13,10 +13,10 @@ namespace {
 
 /// Lifts of the unit diagonal of H, tried in turn. The first leaves the problem as it is; the others make a singular H
 /// regular and cost proximal steps, the fewer the smaller the lift.
-constexpr double kLifts[] = {0, 1e-10, 1e-8, 1e-6};
-constexpr int kMaxProximalSteps = 40;
+constexpr double lifts[] = {0, 1e-10, 1e-8, 1e-6};
+constexpr int max_proximal_steps = 40;
 /// Residual a proximal step aims at; below it there is only rounding to gain.
-constexpr double kGoal = 1e-12;
+constexpr double residual_goal = 1e-12;
 
 }  // namespace
 
@@ -35,20 +35,37 @@ QpResult ActiveSetSolver::solve(const QpProblem& problem, const QpOptions& optio
   }
   int iterations = 0;
   Attempt attempt = Attempt::Inexact;
-  for (const double lift : kLifts) {
+  for (const double lift : lifts) {
     attempt = this->attempt(problem, options, guess, lift, result);
     iterations += result.iterations;
     result.iterations = iterations;
     if (attempt == Attempt::Decided) return result;
+    if (attempt == Attempt::BudgetSpent) break;
   }
   if (attempt == Attempt::Singular) {
     // An interior point could still stop at a saddle and take it for a solution.
     result.message = "H is not positive semidefinite where the constraints leave it free";
     return result;
   }
-  result = make_ipopt_solver()->solve(problem, options, guess);
-  result.iterations += iterations;
-  if (result.status != QpStatus::Solved) result.message = "active set gave up; " + result.message;
+  return fall_back(problem, options, guess, std::move(result));
+}
+
+QpResult ActiveSetSolver::fall_back(const QpProblem& problem, const QpOptions& options, std::span<const char> guess,
+                                    QpResult best) {
+  QpOptions own_budget;
+  own_budget.tolerance = options.tolerance;
+  QpResult result = make_ipopt_solver()->solve(problem, own_budget, guess);
+  result.iterations += best.iterations;
+  result.fell_back = true;
+  if (result.status == QpStatus::Solved) return result;
+  const bool undecided = result.status == QpStatus::IterationLimit || result.status == QpStatus::NumericalTrouble;
+  if (undecided && best.status == QpStatus::IterationLimit) {
+    best.iterations = result.iterations;
+    best.fell_back = true;
+    best.message += "; " + result.message;
+    return best;
+  }
+  result.message = "active set gave up; " + result.message;
   return result;
 }
 
@@ -71,13 +88,13 @@ ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, cons
     return Attempt::Decided;
   };
   SearchStatus status = SearchStatus::Optimal;
-  for (int step = 0; step < kMaxProximalSteps; ++step) {
+  for (int step = 0; step < max_proximal_steps; ++step) {
     status = search.run(anchor, set, point);
     if (status == SearchStatus::Singular) break;
     QpResult now = read_out(problem, set, point, search.gradient(point));
     const bool settled = !proximal || !(now.kkt_residual < 0.5 * best.kkt_residual);
     if (now.kkt_residual < best.kkt_residual || best.q.size() == 0) best = now;
-    if (best.kkt_residual <= kGoal || (settled && best.kkt_residual <= options.tolerance))
+    if (best.kkt_residual <= residual_goal || (settled && best.kkt_residual <= options.tolerance))
       return finish(best, QpStatus::Solved, "");
     if (!proximal || status == SearchStatus::IterationLimit) break;
     if (step > 0) {
@@ -90,7 +107,10 @@ ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, cons
     anchor = point;
   }
   if (best.kkt_residual <= options.tolerance) return finish(best, QpStatus::Solved, "");
-  if (status == SearchStatus::IterationLimit) return finish(best, QpStatus::IterationLimit, "iteration budget spent");
+  if (status == SearchStatus::IterationLimit) {
+    finish(best, QpStatus::IterationLimit, "iteration budget spent");
+    return Attempt::BudgetSpent;
+  }
   result.iterations = search.iterations();
   return status == SearchStatus::Singular ? Attempt::Singular : Attempt::Inexact;
 }

@@ -20,10 +20,13 @@ class ActiveSetSolver : public QpSolver {
   QpResult solve(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) override;
 
  private:
-  enum class Attempt { Decided, Inexact, Singular };
-  /// Solves with H lifted by `epsilon` on its scaled diagonal.
+  enum class Attempt { Decided, Inexact, Singular, BudgetSpent };
+  /// Solves with H lifted by `epsilon` on its scaled diagonal. `result` is the best point found unless it is Singular.
   Attempt attempt(const QpProblem& problem, const QpOptions& options, std::span<const char> guess, double epsilon,
                   QpResult& result);
+  /// Asks the reference solver; where that fails too, `best` stands if it has a point.
+  static QpResult fall_back(const QpProblem& problem, const QpOptions& options, std::span<const char> guess,
+                            QpResult best);
   QpResult read_out(const QpProblem& problem, const WorkingSet& set, const ReducedPoint& point,
                     const VecX& gradient) const;
 

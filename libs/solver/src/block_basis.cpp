@@ -11,14 +11,14 @@ namespace {
 
 /// |part of a unit normal outside the span of the equalities|, below which the equalities decide the row. The row then
 /// holds to this share of |q|, well inside any tolerance asked for.
-constexpr double kDependent = 1e-10;
+constexpr double dependent_share = 1e-10;
 /// Mismatch of constants that counts as rounding, relative to the size of the unknowns.
-constexpr double kMismatch = 1e-9;
+constexpr double mismatch_tolerance = 1e-9;
 /// Distance of two unit normals that are one and the same.
-constexpr double kSameNormal = 1e-12;
+constexpr double same_normal = 1e-12;
 /// Sine of the least angle [rad] between an inequality normal and those already coordinates: the condition number of
 /// the basis is about its reciprocal, so smaller angles go to the general rows instead.
-constexpr double kLeastAngle = 1e-2;
+constexpr double least_angle = 1e-2;
 
 /// Removes from `a` its part in the rows of the orthonormal `Q`; twice, because once leaves rounding of |a|.
 SmallVector project_off(const SmallMatrix& Q, SmallVector a) {
@@ -50,7 +50,7 @@ EqualityPart add_equalities(BlockBasis& basis, int size, const std::vector<Local
   std::vector<char> used(rows.size(), 0);
   while (part.Q.rows() < size) {
     int best = -1;
-    double best_length = kDependent;
+    double best_length = dependent_share;
     for (size_t i = 0; i < rows.size(); ++i) {
       const double length = used[i] ? 0.0 : project_off(part.Q, rows[i].a).norm();
       if (length > best_length) best = static_cast<int>(i), best_length = length;
@@ -71,7 +71,7 @@ EqualityPart add_equalities(BlockBasis& basis, int size, const std::vector<Local
   part.q = part.Q.transpose() * basis.fixed;
   for (const LocalRow& row : rows) {
     const double scale = std::max({std::abs(row.b), part.q.norm(), q_scale});
-    if (std::abs(row.a.dot(part.q) - row.b) > kMismatch * scale) basis.conflict = true;
+    if (std::abs(row.a.dot(part.q) - row.b) > mismatch_tolerance * scale) basis.conflict = true;
   }
   return part;
 }
@@ -89,15 +89,15 @@ std::vector<Reduced> reduce(BlockBasis& basis, const EqualityPart& eq, const std
   for (size_t i = 0; i < rows.size(); ++i) {
     const SmallVector rest = project_off(eq.Q, rows[i].a);
     Reduced r{rest, rows[i].b - rows[i].a.dot(eq.q), rest.norm(), static_cast<int>(i)};
-    if (r.length <= kDependent) {
-      basis.owner[i] = BlockBasis::kRedundant;
+    if (r.length <= dependent_share) {
+      basis.owner[i] = BlockBasis::redundant;
       const double scale = std::max({std::abs(rows[i].b), eq.q.norm(), q_scale});
-      if (r.lower > kMismatch * scale) basis.conflict = true;
+      if (r.lower > mismatch_tolerance * scale) basis.conflict = true;
     } else {
       r.normal /= r.length;
       r.lower /= r.length;
       for (size_t j = 0; j < i; ++j)
-        if (reduced[j].length > kDependent && (reduced[j].normal - r.normal).norm() < kSameNormal) {
+        if (reduced[j].length > dependent_share && (reduced[j].normal - r.normal).norm() < same_normal) {
           r.same_as = reduced[j].same_as;
           break;
         }
@@ -112,20 +112,20 @@ std::vector<Reduced> reduce(BlockBasis& basis, const EqualityPart& eq, const std
 SmallMatrix add_inequalities(BlockBasis& basis, const EqualityPart& eq, const std::vector<LocalRow>& rows,
                              double q_scale) {
   const int size = static_cast<int>(eq.Q.cols());
-  basis.owner.assign(rows.size(), BlockBasis::kSurplus);
+  basis.owner.assign(rows.size(), BlockBasis::surplus);
   const std::vector<Reduced> reduced = reduce(basis, eq, rows, q_scale);
   SmallMatrix N(0, size), span = eq.Q;
   basis.coupling.resize(0, eq.Q.rows());
   basis.length.resize(0);
   basis.lower.resize(0);
   for (size_t i = 0; i < rows.size(); ++i) {
-    if (basis.owner[i] != BlockBasis::kSurplus || reduced[i].same_as != static_cast<int>(i)) continue;
+    if (basis.owner[i] != BlockBasis::surplus || reduced[i].same_as != static_cast<int>(i)) continue;
     if (span.rows() == size) break;
     const SmallVector outside = project_off(span, reduced[i].normal);
-    if (outside.norm() < kLeastAngle) continue;
+    if (outside.norm() < least_angle) continue;
     size_t tightest = i;
     for (size_t j = i; j < rows.size(); ++j) {
-      if (reduced[j].same_as != static_cast<int>(i) || basis.owner[j] == BlockBasis::kRedundant) continue;
+      if (reduced[j].same_as != static_cast<int>(i) || basis.owner[j] == BlockBasis::redundant) continue;
       basis.owner[j] = static_cast<int>(basis.in.size());
       if (reduced[j].lower > reduced[tightest].lower) tightest = j;
     }

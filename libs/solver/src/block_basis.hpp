@@ -8,9 +8,9 @@
 namespace crease {
 
 /// Larger blocks are treated as single unknowns: a change of basis fills its block, and no vertex has more than this.
-constexpr int kMaxBlock = 8;
-using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxBlock, kMaxBlock>;
-using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxBlock, 1>;
+constexpr int max_block = 8;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_block, max_block>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_block, 1>;
 
 /// One constraint whose entries all lie in one block: a . q = b or a . q >= b, scaled so that |a| = 1.
 struct LocalRow {
@@ -38,8 +38,8 @@ struct BlockBasis {
   std::vector<int> owner;  ///< one a given inequality: its coordinate among `lower`, or one of the two below
   bool conflict = false;   ///< the equalities alone have no solution, or forbid an inequality
 
-  static constexpr int kRedundant = -1;  ///< decided by the equalities
-  static constexpr int kSurplus = -2;    ///< too many or too parallel normals; has to stay a general row
+  static constexpr int redundant = -1;  ///< decided by the equalities
+  static constexpr int surplus = -2;    ///< too many or too parallel normals; has to stay a general row
 };
 
 /// @param q_scale  typical size of an unknown, against which a mismatch of constants counts as rounding

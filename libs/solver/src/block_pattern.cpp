@@ -36,7 +36,7 @@ void BlockPattern::set_blocks(const QpProblem& problem) {
   starts_.assign(1, 0);
   const std::vector<int>& given = problem.blocks;
   for (size_t k = 0; k + 1 < given.size(); ++k) {
-    if (given[k + 1] - given[k] > kMaxBlock)
+    if (given[k + 1] - given[k] > max_block)
       for (int i = given[k] + 1; i < given[k + 1]; ++i) starts_.push_back(i);
     starts_.push_back(given[k + 1]);
   }

@@ -17,22 +17,22 @@
 namespace crease {
 namespace {
 
-constexpr double kInfinity = 2e19;  ///< Ipopt takes 1e19 and more for no bound
+constexpr double no_bound = 2e19;  ///< Ipopt takes 1e19 and more for no bound
 
 /// A diagonal entry of H this small beside the largest is rounding of zero.
-constexpr double kNoDiagonal = 1e-13;
+constexpr double no_diagonal = 1e-13;
 /// Equalities: part of a row outside the others that counts as zero, and mismatch of constants that counts as rounding.
-constexpr double kDependent = 1e-10;
-constexpr double kMismatch = 1e-8;
+constexpr double dependent_share = 1e-10;
+constexpr double mismatch_tolerance = 1e-8;
 /// Asked of Ipopt, on the scaled problem.
-constexpr double kIpoptTolerance = 1e-11;
+constexpr double ipopt_tolerance = 1e-11;
 /// Regularisation of the polishing equations; refinement removes its effect.
-constexpr double kPolishShift = 1e-9;
-constexpr int kPolishSteps = 10;
-constexpr int kPolishRounds = 5;
-constexpr double kPolishTie = 1e-13;  ///< on numbers about 1
+constexpr double polish_shift = 1e-9;
+constexpr int polish_steps = 10;
+constexpr int polish_rounds = 5;
+constexpr double polish_tie = 1e-13;  ///< on numbers about 1
 /// Below this residual two points are equally good, and the polished one has its zeros exact.
-constexpr double kRounding = 1e-11;
+constexpr double rounding_share = 1e-11;
 
 double max_abs(const VecX& v) {
   return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
@@ -59,7 +59,7 @@ std::vector<int> independent_rows(const SparseMatrix& transposed, const VecX& b,
   std::vector<int> rows;
   if (b.size() == 0) return rows;
   Eigen::SparseQR<SparseMatrix, Eigen::COLAMDOrdering<int>> qr;
-  qr.setPivotThreshold(kDependent);
+  qr.setPivotThreshold(dependent_share);
   qr.compute(transposed);
   const auto rank = qr.rank();
   const auto& order = qr.colsPermutation().indices();
@@ -71,7 +71,7 @@ std::vector<int> independent_rows(const SparseMatrix& transposed, const VecX& b,
   const SparseMatrix kept = R.leftCols(rank);
   const VecX w = kept.transpose().triangularView<Eigen::Lower>().solve(permuted.head(rank));
   const VecX mismatch = R.transpose() * w - permuted;
-  conflict = max_abs(mismatch) > kMismatch * std::max(max_abs(b), max_abs(w));
+  conflict = max_abs(mismatch) > mismatch_tolerance * std::max(max_abs(b), max_abs(w));
   std::sort(rows.begin(), rows.end());
   return rows;
 }
@@ -80,7 +80,7 @@ ScaledQp::ScaledQp(const QpProblem& problem) {
   const Eigen::Index n = problem.f.size();
   scale = problem.H.diagonal();
   const double largest = n == 0 ? 1.0 : scale.maxCoeff();
-  for (double& s : scale) s = 1 / std::sqrt(s > kNoDiagonal * largest ? s : (largest > 0 ? largest : 1.0));
+  for (double& s : scale) s = 1 / std::sqrt(s > no_diagonal * largest ? s : (largest > 0 ? largest : 1.0));
   H = scale.asDiagonal() * problem.H * scale.asDiagonal();
   f = problem.f.cwiseProduct(scale);
   eq = independent_rows(SparseMatrix(problem.A_eq.transpose()), problem.b_eq, conflict);
@@ -126,11 +126,11 @@ class QpNlp : public Ipopt::TNLP {
     return true;
   }
   bool get_bounds_info(int n, double* x_l, double* x_u, int m, double* g_l, double* g_u) override {
-    std::fill(x_l, x_l + n, -kInfinity);
-    std::fill(x_u, x_u + n, kInfinity);
+    std::fill(x_l, x_l + n, -no_bound);
+    std::fill(x_u, x_u + n, no_bound);
     std::copy(qp_.b.data(), qp_.b.data() + m, g_l);
     std::copy(qp_.b.data(), qp_.b.data() + qp_.n_eq, g_u);
-    std::fill(g_u + qp_.n_eq, g_u + m, kInfinity);
+    std::fill(g_u + qp_.n_eq, g_u + m, no_bound);
     return true;
   }
   bool get_starting_point(int n, bool, double* x, bool, double*, double*, int, bool, double*) override {
@@ -194,11 +194,11 @@ bool solve_equations(const ScaledQp& qp, const std::vector<char>& on, VecX& y, V
   std::vector<Eigen::Triplet<double>> entries;
   for (int c = 0; c < n; ++c) {
     for (SparseMatrix::InnerIterator h(qp.H, c); h; ++h) entries.emplace_back(static_cast<int>(h.row()), c, h.value());
-    entries.emplace_back(c, c, kPolishShift);
+    entries.emplace_back(c, c, polish_shift);
   }
   for (int i = 0; i < m; ++i) {
     // A row that is off keeps its place with the equation lambda = 0.
-    entries.emplace_back(n + i, n + i, on[i] ? -kPolishShift : -1.0);
+    entries.emplace_back(n + i, n + i, on[i] ? -polish_shift : -1.0);
     if (!on[i]) lambda[i] = 0;
     for (SparseRows::InnerIterator a(qp.A, i); a && on[i]; ++a)
       entries.emplace_back(n + i, static_cast<int>(a.col()), a.value());
@@ -207,7 +207,7 @@ bool solve_equations(const ScaledQp& qp, const std::vector<char>& on, VecX& y, V
   K.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower> ldlt(K);
   if (ldlt.info() != Eigen::Success) return false;
-  for (int step = 0; step < kPolishSteps; ++step) {
+  for (int step = 0; step < polish_steps; ++step) {
     VecX rest(n + m);
     rest << qp.f - qp.H * y + qp.A.transpose() * lambda, qp.b - qp.A * y;
     for (int i = 0; i < m; ++i)
@@ -226,12 +226,12 @@ bool polish(const ScaledQp& qp, VecX& y, VecX& lambda) {
   VecX slack = qp.A * y - qp.b;
   std::vector<char> on(static_cast<size_t>(m), 1);
   for (int i = qp.n_eq; i < m; ++i) on[i] = lambda[i] > slack[i];
-  for (int round = 0; round < kPolishRounds; ++round) {
+  for (int round = 0; round < polish_rounds; ++round) {
     if (!solve_equations(qp, on, y, lambda)) return false;
     slack = qp.A * y - qp.b;
     bool right = true;
     for (int i = qp.n_eq; i < m; ++i) {
-      if (on[i] ? lambda[i] >= -kPolishTie : slack[i] >= -kPolishTie) continue;
+      if (on[i] ? lambda[i] >= -polish_tie : slack[i] >= -polish_tie) continue;
       on[i] ^= 1;
       right = false;
     }
@@ -298,7 +298,7 @@ void set_options(Ipopt::OptionsList& list, const QpOptions& options) {
   list.SetNumericValue("diverging_iterates_tol", 1e12);
   list.SetIntegerValue("acceptable_iter", 0);  // its acceptable points may be far from acceptable
   for (const char* name : {"tol", "constr_viol_tol", "dual_inf_tol", "compl_inf_tol"})
-    list.SetNumericValue(name, kIpoptTolerance);
+    list.SetNumericValue(name, ipopt_tolerance);
 }
 
 Ipopt::ApplicationReturnStatus run_ipopt(const Ipopt::SmartPtr<QpNlp>& nlp, const QpOptions& options, int& iterations) {
@@ -339,7 +339,7 @@ QpResult IpoptSolver::solve(const QpProblem& problem, const QpOptions& options, 
     VecX y = nlp->y, lambda = nlp->lambda;
     if (polish(qp, y, lambda)) {
       QpResult polished = read_out(problem, qp, y, lambda);
-      if (polished.kkt_residual <= std::max(result.kkt_residual, kRounding)) result = std::move(polished);
+      if (polished.kkt_residual <= std::max(result.kkt_residual, rounding_share)) result = std::move(polished);
     }
   }
   result.iterations = iterations;

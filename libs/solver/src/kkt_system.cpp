@@ -9,15 +9,15 @@ namespace {
 
 /// Scaled H (unit diagonal) with a smaller reciprocal condition than this is taken for singular: what is solved with it
 /// is rounding.
-constexpr double kSingular = 1e-14;
+constexpr double singular_rcond = 1e-14;
 /// Softness of a row relative to the compliance it meets. Small against the angle squared of nearly dependent rows,
 /// large against rounding in the border.
-constexpr double kRowSoftness = 1e-11;
+constexpr double row_softness = 1e-11;
 /// Coordinates whose state may differ from the factorised one before a new factorisation is the cheaper way, as a share
 /// of the half-solves that have its flops. Half-solves are the slower kind of flop, and the border grows with the
 /// square (measured on cloth-like problems of 1600 vertices: flat from 0.5 to 1.5).
-constexpr double kChangedShare = 0.8;
-constexpr int kLeastChanged = 8;
+constexpr double changed_share = 0.8;
+constexpr int least_changed = 8;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ int KktSystem::n_changed(const WorkingSet& set) const {
 bool KktSystem::refresh(const WorkingSet& set) {
   if (factorized_ && set.held == border_set_.held && set.on == border_set_.on) return true;
   border_set_ = {};
-  const int most = std::max(kLeastChanged, static_cast<int>(kChangedShare * cholesky_.cost_ratio()));
+  const int most = std::max(least_changed, static_cast<int>(changed_share * cholesky_.cost_ratio()));
   const bool keep = factorized_ && n_changed(set) <= most && n_slots_ <= 4 * most + qp_->n_rows();
   // A border that cannot be factorised may be the fault of the base it stands on, so the set gets a base of its own.
   bool ready = keep && add_columns(set) && factorize_border();
@@ -69,7 +69,7 @@ bool KktSystem::factorize(const WorkingSet& set) {
   base_ = set.held;
   slot_of_.assign(static_cast<size_t>(qp_->size() + qp_->n_rows()), -1);
   n_slots_ = 0;
-  factorized_ = cholesky_.factorize(masked_) && cholesky_.rcond() > kSingular;
+  factorized_ = cholesky_.factorize(masked_) && cholesky_.rcond() > singular_rcond;
   return factorized_;
 }
 
@@ -108,7 +108,7 @@ bool KktSystem::add_columns(const WorkingSet& set) {
   n_slots_ = n_all;
   for (const int item : fresh)
     if (item >= n && delta_[item - n] == 0)
-      delta_[item - n] = kRowSoftness * std::max(1.0, gram_(slot_of_[item], slot_of_[item]));
+      delta_[item - n] = row_softness * std::max(1.0, gram_(slot_of_[item], slot_of_[item]));
   return gram_.block(0, n_all - n_new, n_all, n_new).allFinite();
 }
 
@@ -160,7 +160,7 @@ bool KktSystem::factorize_border() {
     freed_llt_.compute(S);
     if (freed_llt_.info() != Eigen::Success) return false;
     const double smallest = MatX(freed_llt_.matrixL()).diagonal().minCoeff();
-    if (!(smallest * smallest > kSingular)) return false;
+    if (!(smallest * smallest > singular_rcond)) return false;
   }
   if (n_tied == 0) return true;
   if (n_freed > 0) {

@@ -13,11 +13,11 @@ namespace {
 
 /// Two stored halves of H may differ by the rounding of their sums; more than this share of the largest entry is a
 /// mistake of the assembly.
-constexpr double kSymmetryTolerance = 1e-9;
-constexpr double kTiny = 1e-300;  ///< stands in for a scale of zero
+constexpr double symmetry_tolerance = 1e-9;
+constexpr double tiny_scale = 1e-300;  ///< stands in for a scale of zero
 /// A stiff H takes large forces apart whose sum is small (a light sheet in rigid motion); H q then cannot be closer to
 /// f than rounding of |H| |q|, some 1e-13 of it, which has to be a residual below any tolerance asked for (1e-8).
-constexpr double kCancellation = 1e-5;
+constexpr double cancellation_share = 1e-5;
 
 double max_abs(const VecX& v) {
   return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
@@ -51,7 +51,7 @@ bool is_symmetric(const SparseMatrix& H) {
   const int* outer = H.outerIndexPtr();
   const int* inner = H.innerIndexPtr();
   const double* value = H.valuePtr();
-  const double slack = H.nonZeros() == 0 ? 0.0 : kSymmetryTolerance * H.coeffs().abs().maxCoeff();
+  const double slack = H.nonZeros() == 0 ? 0.0 : symmetry_tolerance * H.coeffs().abs().maxCoeff();
   std::vector<int> next(outer, outer + H.outerSize());
   for (int c = 0; c < H.outerSize(); ++c) {
     int at = next[c];
@@ -91,7 +91,7 @@ RowResiduals row_residuals(const SparseRows& A, const VecX& b, const VecX& q, co
       sum += std::abs(a.value());
       largest = std::max(largest, std::abs(a.value()));
     }
-    const double slack = (value - b[i]) / std::max({kTiny, std::abs(b[i]), sum * q_scale});
+    const double slack = (value - b[i]) / std::max({tiny_scale, std::abs(b[i]), sum * q_scale});
     const double force = lambda[i] * largest / force_scale;
     worst.primal = std::max(worst.primal, equality ? std::abs(slack) : -slack);
     if (equality) continue;
@@ -184,9 +184,9 @@ double kkt_residual(const QpProblem& problem, const VecX& q, const VecX& lambda_
   if (lambda_eq.size() > 0) reaction += problem.A_eq.transpose() * lambda_eq;
   if (lambda_in.size() > 0) reaction += problem.A_in.transpose() * lambda_in;
   const double stiffness = row_sum_norm(problem.H);
-  const double force_scale =
-      std::max({kTiny, max_abs(problem.f), max_abs(Hq), max_abs(reaction), kCancellation * stiffness * max_abs(q)});
-  const double q_scale = std::max(max_abs(q), max_abs(problem.f) / std::max(kTiny, stiffness));
+  const double force_scale = std::max(
+      {tiny_scale, max_abs(problem.f), max_abs(Hq), max_abs(reaction), cancellation_share * stiffness * max_abs(q)});
+  const double q_scale = std::max(max_abs(q), max_abs(problem.f) / std::max(tiny_scale, stiffness));
   const double stationarity = max_abs(Hq - problem.f - reaction) / force_scale;
   const RowResiduals eq = row_residuals(problem.A_eq, problem.b_eq, q, lambda_eq, true, q_scale, force_scale);
   const RowResiduals in = row_residuals(problem.A_in, problem.b_in, q, lambda_in, false, q_scale, force_scale);

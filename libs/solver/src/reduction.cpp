@@ -12,11 +12,11 @@ using DenseMap = Eigen::Map<MatX>;
 
 /// A diagonal entry of H this small beside the others of its block is rounding of zero; scaling by it would blow the
 /// rounding up to a stiffness. Scaled by the block instead it stays what it is: singular, and seen as such.
-constexpr double kNoDiagonal = 1e-13;
+constexpr double no_diagonal = 1e-13;
 /// |part of a general row outside the fixed coordinates| / |row| below which the fixed coordinates decide the row.
-constexpr double kDecidedRow = 1e-10;
+constexpr double decided_row = 1e-10;
 /// Mismatch of constants that counts as rounding.
-constexpr double kMismatch = 1e-9;
+constexpr double mismatch_tolerance = 1e-9;
 
 double max_abs(const VecX& v) {
   return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
@@ -94,7 +94,7 @@ bool Reduction::make_bases() {
     for (const double value : basis.fixed) qp_.kind[at] = Coordinate::Fixed, qp_.bound[at++] = value;
     for (size_t i = 0; i < in.size(); ++i) {
       if (basis.owner[i] >= 0) coordinate_of_[in[i].row] = at + basis.owner[i];
-      if (basis.owner[i] == BlockBasis::kSurplus) general_.push_back({in[i].row, false, 0, in[i].norm});
+      if (basis.owner[i] == BlockBasis::surplus) general_.push_back({in[i].row, false, 0, in[i].norm});
     }
     for (const double value : basis.lower) qp_.kind[at] = Coordinate::Bounded, qp_.bound[at++] = value;
     basis_of_[block] = static_cast<int>(bases_.size());
@@ -135,8 +135,8 @@ void Reduction::transform_H(const SparseMatrix& H) {
       row += pattern_.size(other);
     }
     auto scale = scale_.segment(start, size);
-    const double block_scale = scale.maxCoeff() > kNoDiagonal * largest ? scale.maxCoeff() : fallback;
-    for (double& s : scale) s = std::sqrt(s > kNoDiagonal * block_scale ? s : block_scale);
+    const double block_scale = scale.maxCoeff() > no_diagonal * largest ? scale.maxCoeff() : fallback;
+    for (double& s : scale) s = std::sqrt(s > no_diagonal * block_scale ? s : block_scale);
   }
   const VecX inverse = scale_.cwiseInverse();
   for (int c = 0; c < qp_.H.cols(); ++c)
@@ -184,9 +184,9 @@ bool Reduction::add_general_rows(const QpProblem& problem) {
   for (GeneralRow general : general_) {
     const TransformedRow row = transform_row(general.equality ? problem.A_eq : problem.A_in, general.row);
     const double b = (general.equality ? problem.b_eq : problem.b_in)[general.row];
-    if (row.open <= kDecidedRow * kDecidedRow * row.all) {
+    if (row.open <= decided_row * decided_row * row.all) {
       const double slack = row.fixed_value - b;
-      const double tolerance = kMismatch * std::max({std::abs(b), row.fixed_size, general.size * q_scale_});
+      const double tolerance = mismatch_tolerance * std::max({std::abs(b), row.fixed_size, general.size * q_scale_});
       if (slack < -tolerance || (general.equality && slack > tolerance)) return false;
       continue;
     }

@@ -10,14 +10,14 @@ namespace {
 
 /// Share of the largest unknown (force) by which a bound (multiplier) may miss its sign: what is left of rounding in a
 /// refined solution. Ties, where slack and multiplier are both zero, would flip for ever without it.
-constexpr double kTie = 1e-11;
+constexpr double tie_share = 1e-11;
 /// Block exchanges that may pass without fewer wrong signs. Cloth needs none; a cycle needs the backup.
-constexpr int kPatience = 6;
+constexpr int patience_limit = 6;
 /// Steps of the backup that count as one iteration: each changes one constraint only.
-constexpr int kSingleSteps = 20;
-constexpr int kRefinements = 2;
+constexpr int single_steps = 20;
+constexpr int refinements = 2;
 /// Share of the largest force (unknown) that is rounding of the sums in an equation.
-constexpr double kRounding = 1e-15;
+constexpr double rounding_share = 1e-15;
 
 template <class Vector>
 double max_abs(const Vector& v) {
@@ -43,7 +43,7 @@ VecX WorkingSetSearch::gradient(const ReducedPoint& point) const {
 /// Puts every wrong sign right at once, as long as that makes them fewer.
 SearchStatus WorkingSetSearch::exchange_blocks(WorkingSet& set, ReducedPoint& point) {
   size_t fewest = std::numeric_limits<size_t>::max();
-  for (int patience = kPatience; patience >= 0;) {
+  for (int patience = patience_limit; patience >= 0;) {
     if (iterations_ >= max_iterations_) return SearchStatus::IterationLimit;
     ++iterations_;
     if (!solve(set, point)) return SearchStatus::Singular;
@@ -55,7 +55,7 @@ SearchStatus WorkingSetSearch::exchange_blocks(WorkingSet& set, ReducedPoint& po
     }
     if (flips.size() < fewest) {
       fewest = flips.size();
-      patience = kPatience;
+      patience = patience_limit;
     } else {
       --patience;
     }
@@ -106,7 +106,7 @@ SearchStatus WorkingSetSearch::admit(int item, const VecX& start_lambda, Working
   lambda[item] = 0;
   state(set, item) = 1;
   for (;;) {
-    if (++single_iterations_ % kSingleSteps == 0) ++iterations_;
+    if (++single_iterations_ % single_steps == 0) ++iterations_;
     if (iterations_ >= max_iterations_) return SearchStatus::IterationLimit;
     if (!solve(set, point)) return SearchStatus::Singular;
     const Signs sign = signs(point);
@@ -136,7 +136,7 @@ bool WorkingSetSearch::solve(const WorkingSet& set, ReducedPoint& point) {
 /// Solves again for what is left of the equations of `set`.
 void WorkingSetSearch::refine(const WorkingSet& set, ReducedPoint& point) {
   const VecX nothing = VecX::Zero(qp_.size());
-  for (int pass = 0; pass < kRefinements; ++pass) {
+  for (int pass = 0; pass < refinements; ++pass) {
     const VecX g = gradient(point);
     VecX rest = -g;
     if (kkt_.epsilon() > 0) rest -= kkt_.epsilon() * (point.u - anchor_.u);
@@ -147,8 +147,8 @@ void WorkingSetSearch::refine(const WorkingSet& set, ReducedPoint& point) {
       row_rest[w] -= kkt_.delta(w) * (point.row_lambda[w] - anchor_.row_lambda[w]);
       if (!set.on[w]) row_rest[w] = 0;
     }
-    if (max_abs(rest) <= kRounding * std::max(max_abs(qp_.f), max_abs(g)) &&
-        max_abs(row_rest) <= kRounding * std::max(max_abs(qp_.rhs), max_abs(point.u)))
+    if (max_abs(rest) <= rounding_share * std::max(max_abs(qp_.f), max_abs(g)) &&
+        max_abs(row_rest) <= rounding_share * std::max(max_abs(qp_.rhs), max_abs(point.u)))
       return;
     ReducedPoint correction;
     if (!kkt_.solve(set, rest, nothing, row_rest, correction)) return;
@@ -173,8 +173,8 @@ WorkingSetSearch::Signs WorkingSetSearch::signs(const ReducedPoint& point) const
       std::max({max_abs(point.u.cwiseQuotient(unit)), max_abs(qp_.bound.cwiseQuotient(unit)),
                 max_abs(qp_.rhs.cwiseQuotient(qp_.unit.tail(m))), n > 0 ? f / std::pow(unit.maxCoeff(), 2) : 0.0});
   const double tiny = std::numeric_limits<double>::min();
-  sign.least_slack = -(kTie * q) * qp_.unit - VecX::Constant(n + m, tiny);
-  sign.least_lambda = -(kTie * force) * qp_.unit.cwiseInverse() - VecX::Constant(n + m, tiny);
+  sign.least_slack = -(tie_share * q) * qp_.unit - VecX::Constant(n + m, tiny);
+  sign.least_lambda = -(tie_share * force) * qp_.unit.cwiseInverse() - VecX::Constant(n + m, tiny);
   return sign;
 }
 

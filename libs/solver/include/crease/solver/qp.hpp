@@ -36,13 +36,14 @@ struct QpResult {
   VecX lambda_eq, lambda_in;
   std::vector<char> active;  ///< one an inequality: 1 = held at its bound
   int iterations = 0;
+  bool fell_back = false;   ///< the method asked for gave up and the reference answered
   double kkt_residual = 0;  ///< see kkt_residual()
   std::string message;      ///< for the reader when not Solved
 };
 
 struct QpOptions {
-  double tolerance = 1e-8;  ///< on the relative KKT residual
-  int max_iterations = 200;
+  double tolerance = 1e-8;   ///< on the relative KKT residual
+  int max_iterations = 200;  ///< of the method asked for; what it falls back on has a budget of its own
 };
 
 /// Largest relative violation of the four KKT conditions (stationarity, primal, dual, complementarity).
