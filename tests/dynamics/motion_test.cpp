@@ -43,9 +43,9 @@ TEST(FreeFall, IsExactOnAnyMesh) {
     const double t = steps * h;
     const Vec3 path = v0 * t - Vec3(0, 0, 0.5 * g * t * (t + h));
     for (int v = 0; v < cloth.mesh.n_vertices(); ++v) {
-      // Rounding 1e-16 per solve times the condition number of M, up to 1e4 with Eulerian vertices.
-      EXPECT_LT((cloth.mesh.x[v] - start.mesh.x[v] - path).norm(), 1e-11);
-      EXPECT_LT((cloth.mesh.X[v] - start.mesh.X[v]).norm(), 1e-11);
+      // Rounding 1e-16 a solve times the condition number of M, up to 1e4 with Eulerian vertices; measured 1e-14.
+      EXPECT_LT((cloth.mesh.x[v] - start.mesh.x[v] - path).norm(), 1e-12);
+      EXPECT_LT((cloth.mesh.X[v] - start.mesh.X[v]).norm(), 1e-12);
     }
   }
 }
