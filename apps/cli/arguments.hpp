@@ -20,7 +20,6 @@ struct Arguments {
   std::vector<std::pair<std::string, std::string>> overrides;  ///< --set path=value
   std::optional<double> until;
   bool resume = false, force = false, quiet = false, paths = false;
-  int threads = 1;
   std::string command_line;
 };
 

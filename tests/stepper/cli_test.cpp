@@ -12,12 +12,13 @@
 #include <gtest/gtest.h>
 
 #include "crease/stepper/scene_io.hpp"
+#include "support/runs.hpp"
 #include "support/scene_text.hpp"
 
 namespace crease {
 namespace {
 
-class Cli : public testing::Test {
+class Cli : public ::testing::Test {
  protected:
   struct Outcome {
     int status;
@@ -76,7 +77,9 @@ TEST_F(Cli, UsageErrorsSayWhatWouldBeRight) {
   expect_usage_error("run edge -o ''", "directory");
   expect_usage_error("run edge -o x --until nan", "time in seconds");
   expect_usage_error("run edge -o x --until -1", "time in seconds");
-  expect_usage_error("run edge -o x --threads 0", "1 to 1024");
+  expect_usage_error("run edge -o x --threads 0", "--threads: expected a number of threads");
+  expect_usage_error("run edge -o x --threads many", "--threads: expected a number of threads");
+  expect_usage_error("run edge -o x --threads 2", "--threads: more than 1 is not available yet");
   expect_usage_error("run edge -o x --force --resume", "--resume");
   expect_usage_error("run egde -o x", "did you mean \"edge\"?");
   expect_usage_error("check egde", "did you mean \"edge\"?");
@@ -156,9 +159,27 @@ TEST_F(Cli, RunWritesResultsAndReportsOnStandardErrorOnly) {
   const Outcome resumed = crease("run scene.json -o out --resume");
   EXPECT_EQ(resumed.status, 0) << resumed.err;
   EXPECT_NE(resumed.err.find("short: done, 3 steps to 0.015 s"), std::string::npos) << resumed.err;
-  const Outcome quiet = crease("run scene.json -o out --force --quiet");
+  const Outcome quiet = crease("run scene.json -o out --force --quiet --threads 1");
   EXPECT_EQ(quiet.status, 0) << quiet.err;
   EXPECT_EQ(quiet.err, "");
+}
+
+// Another process has other addresses, another environment and another folder; none of them may show.
+TEST_F(Cli, TwoProcessesWriteTheSameBytes) {
+  const std::string coarse =
+      " --quiet --until 0.5 --set cloths.0.shape.grid.cells=[8,8] --set cloths.0.remeshing.size=[0.08,0.2]"
+      " --set 'output.formats=[\"vtp\",\"obj\"]' -o ";
+  const Outcome first = crease("run edge" + coarse + "one");
+  const Outcome second = crease("run edge" + coarse + "a_longer_name/two",
+                                "mkdir a_longer_name && env -i PADDING=" + std::string(5000, 'x'));
+  ASSERT_EQ(first.status, 0) << first.err;
+  ASSERT_EQ(second.status, 0) << second.err;
+  const auto one = folder_.path() / "one", two = folder_.path() / "a_longer_name/two";
+  EXPECT_EQ(testing::differences(testing::repeatable_bytes(one), testing::repeatable_bytes(two)),
+            std::vector<std::string>());
+  auto steps = testing::read_steps(one);
+  EXPECT_GT(steps["eol_vertices"].back(), 3) << "the fold is not there yet";
+  EXPECT_GT(steps["faces"].back(), 200);
 }
 
 TEST_F(Cli, RefusedSceneWritesNothing) {

@@ -3,9 +3,11 @@
 
 #include "crease/stepper/run.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <memory>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -125,6 +127,16 @@ TEST(RunDeathTest, KilledAndResumedWritesTheSameBytes) {
   EXPECT_EXIT(run_scene(loaded, {.directory = parts}, kill_after(33)), ::testing::KilledBySignal(SIGKILL), "");
   EXPECT_EXIT(run_scene(loaded, {.directory = parts, .resume = true}, kill_after(37)),
               ::testing::KilledBySignal(SIGKILL), "");
+  // A forced run in its place, killed as soon as it stands, is the one that goes on.
+  const fs::path forced = folder.path() / "forced";
+  LoadedScene shorter = loaded;
+  shorter.scene.duration = 0.05;
+  shorter.resolved_json = R"({"name": "shorter"})";
+  ASSERT_EQ(run_scene(shorter, {.directory = forced}).status, RunStatus::Done);
+  EXPECT_EXIT(run_scene(loaded, {.directory = forced, .force = true}, kill_after(1)),
+              ::testing::KilledBySignal(SIGKILL), "");
+  EXPECT_EQ(run_scene(loaded, {.directory = forced, .resume = true}).status, RunStatus::Done);
+  EXPECT_EQ(differences(repeatable_bytes(whole), repeatable_bytes(forced)), Names());
   // What a kill in the middle of writing leaves behind.
   std::ofstream(parts / "steps.csv", std::ios::app) << "38,0.19,0.0";
   std::ofstream(parts / "frames/000012.vtp.tmp") << "<?xml";
@@ -193,6 +205,52 @@ TEST(Run, ForcedReplacesAnEarlierRunAndNothingElse) {
   ASSERT_EQ(run_scene(loaded, {.directory = fresh}).status, RunStatus::Done);
   ASSERT_EQ(run_scene(loaded, {.directory = used, .force = true}).status, RunStatus::Done);
   EXPECT_EQ(differences(repeatable_bytes(fresh), repeatable_bytes(used)), Names{"precious.txt"});
+}
+
+// Everything an earlier run wrote, wall times too.
+std::map<std::string, std::string> all_bytes(const fs::path& directory) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(directory))
+    if (entry.is_regular_file()) files[fs::relative(entry.path(), directory).generic_string()] = bytes_of(entry.path());
+  return files;
+}
+
+// The old checkpoint and frames once went before anything of the new run existed.
+TEST(Run, ForcedAndFailingAtOnceLosesNothing) {
+  const TestFolder folder;
+  const LoadedScene loaded = hanging_scene();
+  const fs::path used = folder.path() / "used";
+  ASSERT_EQ(run_scene(loaded, {.directory = used}, stop_after(25)).status, RunStatus::Interrupted);
+  const auto before = all_bytes(used);
+
+  RunOptions options{.directory = used, .force = true, .stages = failing_solver([](int) { return true; })};
+  const RunResult failed = run_scene(loaded, options);
+  EXPECT_EQ(failed.status, RunStatus::SimulationFailed);
+  for (const char* part : {"step 1", "0 s to 0.005 s", "stage solve", "left as it was"})
+    EXPECT_NE(failed.message.find(part), std::string::npos) << failed.message;
+  EXPECT_EQ(differences(all_bytes(used), before), Names());
+
+  options.stages = [](const Scene&, const ClothSpec&) -> Stages { throw std::runtime_error("no such stage"); };
+  EXPECT_THROW(run_scene(loaded, options), std::runtime_error);
+  EXPECT_EQ(differences(all_bytes(used), before), Names());
+
+  fs::create_directory(used / "checkpoint.bin.tmp");  // its own checkpoint cannot be written
+  EXPECT_EQ(run_scene(loaded, {.directory = used, .force = true}).status, RunStatus::FileTrouble);
+  EXPECT_EQ(differences(all_bytes(used), before), Names());
+  fs::remove(used / "checkpoint.bin.tmp");
+
+  EXPECT_EQ(run_scene(loaded, {.directory = used, .resume = true}).status, RunStatus::Done)
+      << "the earlier run goes on";
+}
+
+TEST(Run, StoppedEarlyIsDoneButNotFinished) {
+  const TestFolder folder;
+  ASSERT_EQ(run_scene(hanging_scene(), {.directory = folder.path(), .until = 0.07}).status, RunStatus::Done);
+  EXPECT_FALSE(summary_of(folder.path())["finished"]);
+  EXPECT_NE(summary_of(folder.path())["why"].get<std::string>().find("0.07 s, as --until"), std::string::npos);
+  ASSERT_EQ(run_scene(hanging_scene(), {.directory = folder.path(), .until = 5, .resume = true}).status,
+            RunStatus::Done);
+  EXPECT_TRUE(summary_of(folder.path())["finished"]) << "the scene ends before";
 }
 
 TEST(Run, ResumesOnlyWhatIsThereAndItsOwn) {
@@ -309,6 +367,51 @@ TEST(Run, TellsWhatTheSceneLeavesOut) {
   EXPECT_EQ(summary_of(folder.path() / "free")["left_out"], Names({"detect", "remesh", "transfer", "constrain", "qp"}));
   for (const char* column : {"t_detect", "t_remesh", "t_transfer", "t_constrain", "qp_iterations"})
     EXPECT_EQ(read_steps(folder.path() / "free")[column], (std::vector<double>{0, 0})) << column;
+}
+
+// What is left out is what no sheet has, whoever chose the stages; its column is 0 because it is not called.
+TEST(Run, AStageOfOnesOwnIsNotLeftOut) {
+  const TestFolder folder;
+  RunOptions options{.directory = folder.path() / "run", .until = 0.01};
+  options.stages = [](const Scene& scene, const ClothSpec& spec) {
+    Stages stages = make_stages(scene, spec);
+    stages.detect = [](const Cloth&, std::span<const PosedObstacle>, double) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      return std::vector<Contact>();
+    };
+    return stages;
+  };
+  ASSERT_EQ(run_scene(hanging_scene(), options).status, RunStatus::Done);
+  EXPECT_EQ(summary_of(options.directory)["left_out"], Names({"remesh", "transfer"}));
+  auto steps = read_steps(options.directory);
+  ASSERT_EQ(steps["t_detect"].size(), 2u);
+  for (const double seconds : steps["t_detect"]) EXPECT_GE(seconds, 0.002);
+}
+
+// One exchange of the working set is never enough here, so the reference solver has to answer, and is seen to.
+TEST(Run, CountsWhatTheSolverFellBackOn) {
+  const TestFolder folder;
+  const LoadedScene loaded = table_scene();
+  RunOptions options{.directory = folder.path() / "short", .until = 0.05};
+  options.stages = [](const Scene& scene, const ClothSpec& spec) {
+    Stages stages = make_stages(scene, spec);
+    stages.solve = [solver = std::shared_ptr<QpSolver>(make_qp_solver(scene.qp))](const QpProblem& problem,
+                                                                                  std::span<const char>) {
+      return solver->solve(problem, {.max_iterations = 1});
+    };
+    return stages;
+  };
+  ASSERT_EQ(run_scene(loaded, options).status, RunStatus::Done);
+  ASSERT_EQ(run_scene(loaded, {.directory = folder.path() / "plain", .until = 0.05}).status, RunStatus::Done);
+  auto fell_back = read_steps(options.directory), plain = read_steps(folder.path() / "plain");
+  double sum = 0;
+  for (const double count : fell_back["qp_fallbacks"]) sum += count;
+  EXPECT_GT(sum, 0);
+  EXPECT_EQ(summary_of(options.directory)["qp_fallbacks"], sum);
+  EXPECT_EQ(plain["qp_fallbacks"], std::vector<double>(plain["step"].size(), 0.0));
+  // Both solve to 1e-8 of the largest velocity.
+  for (std::size_t k = 0; k < plain["step"].size(); ++k)
+    EXPECT_NEAR(fell_back["momentum_z"][k], plain["momentum_z"][k], 1e-8);
 }
 
 TEST(Run, KeepsASecondRunOutOfItsDirectory) {

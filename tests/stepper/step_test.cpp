@@ -84,6 +84,34 @@ TEST(Step, FallsFreelyAsTheSchemeDoes) {
   }
 }
 
+// No obstacle, no pin, no remeshing: nothing of it is called.
+TEST(Step, GetsTheStagesThatTheSceneNeeds) {
+  Scene scene;
+  ClothSpec spec;
+  const Stages none = make_stages(scene, spec);
+  EXPECT_FALSE(none.detect || none.remesh || none.constrain || none.solve);
+  spec.pins.push_back(pulled_pin());
+  const Stages pinned = make_stages(scene, spec);
+  EXPECT_FALSE(pinned.detect || pinned.remesh);
+  EXPECT_TRUE(pinned.constrain && pinned.solve);
+}
+
+TEST(Step, NeedsAWayToSolveWhatItConstrains) {
+  Scene scene;
+  ClothSpec spec;
+  spec.pins.push_back(pulled_pin());
+  Stages stages = make_stages(scene, spec);
+  stages.solve = nullptr;
+  try {
+    const SheetStepper stepper({}, stages);
+    FAIL() << "an empty solve stage was taken";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("solve stage"), std::string::npos) << error.what();
+  }
+  stages.constrain = nullptr;
+  EXPECT_NO_THROW(SheetStepper({}, stages));
+}
+
 // At rest the sheet is farther from the box than the contact threshold, but in one step it falls through 16 mm.
 TEST(Step, CatchesASheetThatFallsFromRestWithinOneStep) {
   const double h = 0.04, gap = 2e-3;
@@ -109,6 +137,12 @@ TEST(Step, LeavesTheGivenClothAloneAndRefusesWhatIsNotFinite) {
   cloth.mesh.x[3].z() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(stepper.step(cloth, {}, 0, 0.01), std::invalid_argument);
   EXPECT_THROW(stepper.step(make_cloth(make_grid({})), {}, 0, 0), std::invalid_argument);
+  for (const int number : {0, 1, 2, 3}) {
+    Cloth broken = make_cloth(make_grid({}));
+    double* const places[] = {&broken.mesh.x[2][1], &broken.mesh.X[2][1], &broken.v[2][1], &broken.V[2][1]};
+    *places[number] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(stepper.step(broken, {}, 0, 0.01), std::invalid_argument) << number;
+  }
 }
 
 }  // namespace

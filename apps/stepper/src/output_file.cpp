@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "output_file.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -18,6 +21,11 @@ void put(std::FILE* file, std::string_view bytes, const std::filesystem::path& p
   if (std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size() || std::fflush(file) != 0) fail(path, errno);
 }
 
+/// A special file (/dev/null, a pipe) has no disk to reach.
+int to_disk(int descriptor) {
+  return fsync(descriptor) == 0 || errno == EINVAL ? 0 : errno;
+}
+
 }  // namespace
 
 FileError::FileError(const std::filesystem::path& path, const std::string& reason)
@@ -32,13 +40,25 @@ void write_whole(const std::filesystem::path& path, std::string_view bytes) {
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
   int error = written ? 0 : errno ? errno : EIO;
   errno = 0;
-  if (std::fclose(file) != 0 && !error) error = errno ? errno : EIO;  // a full disk may show only now
+  if (!error && std::fflush(file) != 0) error = errno ? errno : EIO;  // a full disk may show only now
+  if (!error) error = to_disk(fileno(file));
+  errno = 0;
+  if (std::fclose(file) != 0 && !error) error = errno ? errno : EIO;
   std::error_code trouble(error, std::generic_category());
   if (!trouble) std::filesystem::rename(part, path, trouble);
   if (!trouble) return;
   std::error_code ignored;
   std::filesystem::remove(part, ignored);
   throw FileError(path, trouble.message());
+}
+
+void sync_folder(const std::filesystem::path& folder) {
+  // A folder that may be written but not read goes without.
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  const int error = to_disk(descriptor);
+  close(descriptor);
+  if (error) fail(folder, error);
 }
 
 std::string read_whole(const std::filesystem::path& path) {
@@ -63,6 +83,10 @@ LineFile::LineFile(std::filesystem::path path) : path_(std::move(path)) {
 
 void LineFile::append(std::string_view line) {
   put(file_.get(), line, path_);
+}
+
+void LineFile::sync() {
+  if (const int error = to_disk(fileno(file_.get()))) fail(path_, error);
 }
 
 }  // namespace crease

@@ -59,6 +59,23 @@ constexpr auto columns = std::to_array<Column>({
     {"pin_reaction_x", &StepRow::pin_reaction_x},
     {"pin_reaction_y", &StepRow::pin_reaction_y},
     {"pin_reaction_z", &StepRow::pin_reaction_z},
+    {"qp_fallbacks", &StepRow::qp_fallbacks},
+    {"mass_before_remesh", &StepRow::mass_before_remesh},
+    {"momentum_x_before_remesh", &StepRow::momentum_x_before_remesh},
+    {"momentum_y_before_remesh", &StepRow::momentum_y_before_remesh},
+    {"momentum_z_before_remesh", &StepRow::momentum_z_before_remesh},
+    {"angular_momentum_x_before_remesh", &StepRow::angular_momentum_x_before_remesh},
+    {"angular_momentum_y_before_remesh", &StepRow::angular_momentum_y_before_remesh},
+    {"angular_momentum_z_before_remesh", &StepRow::angular_momentum_z_before_remesh},
+    {"kinetic_energy_before_remesh", &StepRow::kinetic_energy_before_remesh},
+    {"mass_after_remesh", &StepRow::mass_after_remesh},
+    {"momentum_x_after_remesh", &StepRow::momentum_x_after_remesh},
+    {"momentum_y_after_remesh", &StepRow::momentum_y_after_remesh},
+    {"momentum_z_after_remesh", &StepRow::momentum_z_after_remesh},
+    {"angular_momentum_x_after_remesh", &StepRow::angular_momentum_x_after_remesh},
+    {"angular_momentum_y_after_remesh", &StepRow::angular_momentum_y_after_remesh},
+    {"angular_momentum_z_after_remesh", &StepRow::angular_momentum_z_after_remesh},
+    {"kinetic_energy_after_remesh", &StepRow::kinetic_energy_after_remesh},
 });
 
 constexpr int wall_time_digits = 6;  // a microsecond

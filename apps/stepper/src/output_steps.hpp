@@ -26,6 +26,16 @@ struct StepRow {
   double edge_reaction_x = 0, edge_reaction_y = 0, edge_reaction_z = 0;  ///< mean over the step [N]
   double pin_reaction_x = 0, pin_reaction_y = 0, pin_reaction_z = 0;     ///< mean over the step [N]
 
+  double qp_fallbacks = 0;  ///< solves that the reference had to answer
+  /// What the sheets that are remeshed carry beside it. Where a step is taken in parts: before the first one's
+  /// remeshing, and the same with what every part's remeshing changed. Angular momenta are about each sheet's centre.
+  double mass_before_remesh = 0, momentum_x_before_remesh = 0, momentum_y_before_remesh = 0;
+  double momentum_z_before_remesh = 0, angular_momentum_x_before_remesh = 0, angular_momentum_y_before_remesh = 0;
+  double angular_momentum_z_before_remesh = 0, kinetic_energy_before_remesh = 0;
+  double mass_after_remesh = 0, momentum_x_after_remesh = 0, momentum_y_after_remesh = 0;
+  double momentum_z_after_remesh = 0, angular_momentum_x_after_remesh = 0, angular_momentum_y_after_remesh = 0;
+  double angular_momentum_z_after_remesh = 0, kinetic_energy_after_remesh = 0;
+
   double energy() const { return kinetic_energy + membrane_energy + bending_energy + gravitational_energy; }
   Vec3 momentum() const { return {momentum_x, momentum_y, momentum_z}; }
 };

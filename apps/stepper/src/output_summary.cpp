@@ -47,6 +47,7 @@ Json versions_json() {
 
 void Tally::add(const StepRow& row) {
   sums_.retries += row.retries;
+  sums_.qp_fallbacks += row.qp_fallbacks;
   sums_.inserted += row.inserted;
   sums_.released += row.released;
   sums_.splits += row.splits;
@@ -94,6 +95,7 @@ std::string summary_json(const Scene& scene, const Summary& summary, const Tally
   json["wall_s"] = sums.t_total;
   json["ms_per_step"] = stepped ? 1e3 * sums.t_total / last.step : 0.0;
   json["retries"] = static_cast<int>(sums.retries);
+  json["qp_fallbacks"] = static_cast<int>(sums.qp_fallbacks);
   json["refusals"] = static_cast<int>(sums.refusals);
   json["stages"] = stages_json(sums);
   json["left_out"] = summary.left_out;

@@ -56,6 +56,24 @@ auto parse_file(const std::filesystem::path& path, Parse parse) {
   }
 }
 
+std::string failed_step(const Schedule& schedule, int step, const std::string& why) {
+  return "step " + std::to_string(step) + " (time " + digits(schedule.end_of(step - 1)) + " s to " +
+         digits(schedule.end_of(step)) + " s), " + why;
+}
+
+/// Tries a scene's first step, for a run that is about to take an earlier one's place; writes nothing.
+/// @return what failed, or nothing
+std::optional<std::string> rehearse(const LoadedScene& loaded, const RunOptions& options) {
+  const Schedule schedule(loaded.scene);
+  if (schedule.n_steps == 0) return std::nullopt;
+  Sheets sheets(loaded.scene, options.stages);
+  sheets.restart(loaded.cloths);
+  StepRow row;
+  const std::optional<std::string> failure = sheets.advance(0, schedule.size_of(1), row);
+  if (!failure) return std::nullopt;
+  return failed_step(schedule, 1, *failure) + "; what was in " + options.directory.string() + " is left as it was";
+}
+
 class Run {
  public:
   Run(const LoadedScene& loaded, const RunOptions& options);
@@ -78,16 +96,12 @@ class Run {
   bool reached_end() const { return step_ >= schedule_.n_steps; }
   double wanted_end() const { return std::min(scene_.duration, options_.until.value_or(scene_.duration)); }
   bool reached_until() const { return options_.until && time() >= *options_.until - until_slack * schedule_.time_step; }
-  bool leaves_out(const char* stage) const {
-    return std::find(left_out_.begin(), left_out_.end(), stage) != left_out_.end();
-  }
 
   const LoadedScene& loaded_;
   const Scene& scene_;
   const RunOptions& options_;
   const RunDirectory directory_;
   const Schedule schedule_;
-  const std::vector<std::string> left_out_;
   const Energies start_;
   Sheets sheets_;
   Tally tally_;
@@ -102,12 +116,13 @@ Run::Run(const LoadedScene& loaded, const RunOptions& options)
       options_(options),
       directory_{options.directory},
       schedule_(loaded.scene),
-      left_out_(stages_left_out(loaded.scene)),
       start_(measure(loaded.scene, loaded.cloths)),
       sheets_(loaded.scene, options.stages) {
-  if (options.force && !options.resume) remove_run(directory_);
-  if (!std::filesystem::exists(directory_.checkpoint()))
+  const bool anew = options.force && !options.resume;
+  if (anew || !std::filesystem::exists(directory_.checkpoint()))
     write_whole(directory_.checkpoint(), encode_checkpoint(loaded_.resolved_json, 0, loaded_.cloths));
+  sync_folder(directory_.root);
+  if (anew) remove_earlier_run(directory_);
   begin();
 }
 
@@ -123,7 +138,7 @@ void Run::begin() {
   }
   std::filesystem::create_directories(directory_.root / "frames");
   remove_frames(directory_, n_frames());
-  write_whole(directory_.root / "scene.json", loaded_.resolved_json + "\n");
+  write_whole(directory_.root / "scene.json", loaded_.resolved_json);
   write_whole(directory_.root / "obstacles.json", obstacles_json(scene_.obstacles, schedule_.frame_times));
   write_whole(directory_.steps(), table);
   steps_file_.emplace(directory_.steps());
@@ -161,7 +176,9 @@ RunResult Run::take_steps(const std::function<bool(const RunProgress&)>& progres
       return finish(RunStatus::Interrupted, "interrupted after step " + std::to_string(step_) + " (time " +
                                                 digits(time()) + " s); --resume continues");
   }
-  return finish(RunStatus::Done, reached_end() ? "reached the end of the scene" : "stopped at --until");
+  return finish(RunStatus::Done,
+                reached_end() ? "reached the end of the scene"
+                              : "stopped at time " + digits(time()) + " s, as --until asked for; --resume continues");
 }
 
 RunProgress Run::reached() const {
@@ -184,8 +201,7 @@ std::optional<std::string> Run::step() {
   row.time = schedule_.end_of(step_ + 1);
   row.time_step = schedule_.size_of(step_ + 1);
   if (std::optional<std::string> failure = sheets_.advance(time(), row.time_step, row))
-    return "step " + std::to_string(step_ + 1) + " (time " + digits(time()) + " s to " + digits(row.time) + " s), " +
-           *failure;
+    return failed_step(schedule_, step_ + 1, *failure);
   ++step_;
 
   const auto output_start = Clock::now();
@@ -200,16 +216,14 @@ std::optional<std::string> Run::step() {
   steps_file_->append(to_csv(row));
   tally_.add(row);
   // Last, so that frames and rows up to a checkpoint's step are always on disk.
-  if (step_ % steps_per_checkpoint == 0 || reached_end()) take_checkpoint();
+  if (step_ % steps_per_checkpoint == 0 || reached_end()) {
+    take_checkpoint();
+  }
   return std::nullopt;
 }
 
 /// Fills the columns that describe the state at the end of the step.
 void Run::measure_step(StepRow& row) const {
-  if (leaves_out("detect")) row.t_detect = 0;
-  if (leaves_out("remesh")) row.t_remesh = row.t_transfer = 0;
-  if (leaves_out("constrain")) row.t_constrain = 0;
-  if (leaves_out("qp")) row.qp_iterations = 0;
   for (const Cloth& cloth : sheets_.cloths()) {
     row.faces += cloth.mesh.n_faces();
     row.vertices += cloth.mesh.n_vertices();
@@ -251,10 +265,13 @@ void Run::write_frame_list() const {
   write_whole(directory_.root / "cloth.pvd", pvd_text(times.first(static_cast<std::size_t>(n_frames()))));
 }
 
-/// Writes the state and goes on from what was written, as a resumed run will: the mesh's inner order and the steppers'
-/// memory of earlier steps do influence the last bits.
+/// Writes the state, once all that it relies on is on the disk, and goes on from what was written, as a resumed run
+/// will: the mesh's inner order and the steppers' memory of earlier steps do influence the last bits.
 void Run::take_checkpoint() {
   const auto start = Clock::now();
+  steps_file_->sync();
+  sync_folder(directory_.root / "frames");
+  sync_folder(directory_.root);
   const std::string bytes = encode_checkpoint(loaded_.resolved_json, step_, sheets_.cloths());
   write_whole(directory_.checkpoint(), bytes);
   sheets_.restart(decode_checkpoint(bytes).cloths);
@@ -262,13 +279,13 @@ void Run::take_checkpoint() {
 }
 
 RunResult Run::finish(RunStatus status, std::string message) const {
-  const bool finished = status == RunStatus::Done;
-  write_summary(finished, message);
-  return {status, finished ? std::string() : std::move(message), reached()};
+  const bool done = status == RunStatus::Done;
+  write_summary(done && reached_end(), message);
+  return {status, done ? std::string() : std::move(message), reached()};
 }
 
 void Run::write_summary(bool finished, const std::string& why) const {
-  const Summary summary{finished, why, options_.command_line, n_frames(), left_out_, start_};
+  const Summary summary{finished, why, options_.command_line, n_frames(), sheets_.left_out(), start_};
   write_whole(directory_.root / "summary.json", summary_json(scene_, summary, tally_));
 }
 
@@ -289,6 +306,9 @@ RunResult run_scene(const LoadedScene& loaded, const RunOptions& options,
     std::filesystem::create_directories(directory.root);
     const DirectoryLock lock(directory);
     if (lock.taken_by_another()) return {RunStatus::Refused, directory.root.string() + ": another run is writing here"};
+    if (options.force && !options.resume && !std::filesystem::is_empty(directory.root))
+      if (std::optional<std::string> failure = rehearse(loaded, options))
+        return {RunStatus::SimulationFailed, std::move(*failure)};
     return Run(loaded, options).go(progress);
   } catch (const FileError& error) {
     return {RunStatus::FileTrouble, error.what()};

@@ -27,11 +27,44 @@ void add_times(const StageTimes& times, StepRow& row) {
   row.t_integrate += times.integrate;
 }
 
+struct CarriedColumns {
+  double StepRow::*before;
+  double StepRow::*after;
+  double (*of)(const Carried&);
+};
+constexpr CarriedColumns carried_columns[] = {
+    {&StepRow::mass_before_remesh, &StepRow::mass_after_remesh, [](const Carried& c) { return c.mass; }},
+    {&StepRow::momentum_x_before_remesh, &StepRow::momentum_x_after_remesh,
+     [](const Carried& c) { return c.momentum.x(); }},
+    {&StepRow::momentum_y_before_remesh, &StepRow::momentum_y_after_remesh,
+     [](const Carried& c) { return c.momentum.y(); }},
+    {&StepRow::momentum_z_before_remesh, &StepRow::momentum_z_after_remesh,
+     [](const Carried& c) { return c.momentum.z(); }},
+    {&StepRow::angular_momentum_x_before_remesh, &StepRow::angular_momentum_x_after_remesh,
+     [](const Carried& c) { return c.angular_momentum.x(); }},
+    {&StepRow::angular_momentum_y_before_remesh, &StepRow::angular_momentum_y_after_remesh,
+     [](const Carried& c) { return c.angular_momentum.y(); }},
+    {&StepRow::angular_momentum_z_before_remesh, &StepRow::angular_momentum_z_after_remesh,
+     [](const Carried& c) { return c.angular_momentum.z(); }},
+    {&StepRow::kinetic_energy_before_remesh, &StepRow::kinetic_energy_after_remesh,
+     [](const Carried& c) { return c.kinetic_energy; }},
+};
+
+/// Adds what a remeshing found and left; of parts after the first, only what it changed.
+void add_carried(const StepReport& report, bool first_part, StepRow& row) {
+  for (const CarriedColumns& column : carried_columns) {
+    const double before = column.of(report.before_remesh), after = column.of(report.after_remesh);
+    row.*column.before += first_part ? before : 0.0;
+    row.*column.after += first_part ? after : after - before;
+  }
+}
+
 /// Adds what an accepted part did. @param share  of the whole step's time
 void add_work(const StepReport& report, double share, StepRow& row) {
   row.contacts += report.contacts;
   row.active_constraints += report.active_constraints;
   row.qp_iterations += report.qp_iterations;
+  row.qp_fallbacks += report.qp_fell_back;
   row.kkt_residual = std::max(row.kkt_residual, report.kkt_residual);
   row.inserted += report.inserted;
   row.released += report.released;
@@ -47,21 +80,21 @@ void add_work(const StepReport& report, double share, StepRow& row) {
   row.pin_reaction_z += share * report.pin_reaction.z();
 }
 
-bool all_of_cloths(const Scene& scene, bool (*holds)(const ClothSpec&)) {
-  return std::all_of(scene.cloths.begin(), scene.cloths.end(), holds);
+template <class Stage>
+bool has_none(const std::vector<Stages>& sheets, Stage stage) {
+  return std::none_of(sheets.begin(), sheets.end(), [stage](const Stages& s) { return static_cast<bool>(s.*stage); });
+}
+
+std::vector<std::string> stages_left_out(const std::vector<Stages>& sheets) {
+  std::vector<std::string> left_out;
+  if (has_none(sheets, &Stages::detect)) left_out.push_back("detect");
+  if (has_none(sheets, &Stages::remesh)) left_out.insert(left_out.end(), {"remesh", "transfer"});
+  if (has_none(sheets, &Stages::constrain)) left_out.push_back("constrain");
+  if (has_none(sheets, &Stages::solve)) left_out.push_back("qp");
+  return left_out;
 }
 
 }  // namespace
-
-std::vector<std::string> stages_left_out(const Scene& scene) {
-  std::vector<std::string> left_out;
-  if (scene.obstacles.empty()) left_out.push_back("detect");
-  if (all_of_cloths(scene, [](const ClothSpec& spec) { return spec.remeshing == RemeshMethod::None; }))
-    left_out.insert(left_out.end(), {"remesh", "transfer"});
-  if (scene.obstacles.empty() && all_of_cloths(scene, [](const ClothSpec& spec) { return spec.pins.empty(); }))
-    left_out.insert(left_out.end(), {"constrain", "qp"});
-  return left_out;
-}
 
 /// What came of one part for all sheets: their new states, or why one of them failed.
 struct Sheets::Attempt {
@@ -79,12 +112,16 @@ void Sheets::restart(std::vector<Cloth> cloths) {
 
 void Sheets::make_steppers() {
   steppers_.clear();
-  for (const ClothSpec& spec : scene_.cloths) {
+  std::vector<Stages> stages;
+  for (const ClothSpec& spec : scene_.cloths) stages.push_back(make_stages_(scene_, spec));
+  left_out_ = stages_left_out(stages);
+  for (std::size_t c = 0; c < stages.size(); ++c) {
+    const ClothSpec& spec = scene_.cloths[c];
     // Half a threshold a step of the scene, and no faster in the parts of a step that is retried.
     const double push_out_speed = 0.5 * scene_.threshold / scene_.time_step;
     SheetSettings settings{
         spec.material, {scene_.gravity, scene_.velocity_terms}, scene_.threshold, push_out_speed, spec.pins};
-    steppers_.emplace_back(std::move(settings), make_stages_(scene_, spec));
+    steppers_.emplace_back(std::move(settings), std::move(stages[c]));
   }
 }
 
@@ -130,6 +167,7 @@ std::optional<std::string> Sheets::advance(double time, double h, StepRow& row) 
     for (std::size_t c = 0; c < cloths_.size(); ++c) {
       cloths_[c] = std::move(tried.results[c].cloth);
       add_work(tried.results[c].report, share, row);
+      add_carried(tried.results[c].report, done == 0, row);
     }
     done += part;
     while (part < finest && done % (2 * part) == 0) part *= 2;

@@ -11,9 +11,6 @@
 
 namespace crease {
 
-/// Names of the stages that a scene does not need: "detect", "remesh", "transfer", "constrain", "qp".
-std::vector<std::string> stages_left_out(const Scene& scene);
-
 /// The sheets of a scene, advanced together: a step is taken by every one of them or by none.
 class Sheets {
  public:
@@ -32,6 +29,9 @@ class Sheets {
 
   const std::vector<Cloth>& cloths() const { return cloths_; }
 
+  /// Stages that no sheet has: of "detect", "remesh", "transfer", "constrain", "qp".
+  const std::vector<std::string>& left_out() const { return left_out_; }
+
  private:
   struct Attempt;
   Attempt attempt(double time, double h, StepRow& row);
@@ -41,6 +41,7 @@ class Sheets {
   MakeStages make_stages_;
   std::vector<SheetStepper> steppers_;
   std::vector<Cloth> cloths_;
+  std::vector<std::string> left_out_;
 };
 
 }  // namespace crease

@@ -58,7 +58,7 @@ bool is_replaced(const RunDirectory& directory, const fs::path& file) {
 
 /// What the scene was read from and a run in this directory would destroy, or nothing.
 std::optional<fs::path> endangered_input(const RunDirectory& directory, const LoadedScene& loaded) {
-  if (is_replaced(directory, loaded.file) && read_whole(loaded.file) != loaded.resolved_json + "\n") return loaded.file;
+  if (is_replaced(directory, loaded.file) && read_whole(loaded.file) != loaded.resolved_json) return loaded.file;
   for (const ClothSpec& cloth : loaded.scene.cloths)
     if (const auto* mesh = std::get_if<fs::path>(&cloth.shape); mesh && is_replaced(directory, *mesh)) return *mesh;
   return std::nullopt;
@@ -103,9 +103,9 @@ void remove_frames(const RunDirectory& directory, int first_frame) {
   }
 }
 
-void remove_run(const RunDirectory& directory) {
+void remove_earlier_run(const RunDirectory& directory) {
   for (const char* name : run_files) {
-    fs::remove(directory.root / name);
+    if (directory.root / name != directory.checkpoint()) fs::remove(directory.root / name);
     fs::remove(directory.root / (std::string(name) + ".tmp"));
   }
   remove_frames(directory, 0);

@@ -36,7 +36,8 @@ class DirectoryLock {
 /// Removes the frames from number `first_frame` on and whatever half-written file a killed run left.
 void remove_frames(const RunDirectory& directory, int first_frame);
 
-/// Removes all files of an earlier run, the checkpoint first; foreign files stay.
-void remove_run(const RunDirectory& directory);
+/// Removes all files of an earlier run but the checkpoint, in whose place the new run's stands already; foreign files
+/// stay.
+void remove_earlier_run(const RunDirectory& directory);
 
 }  // namespace crease

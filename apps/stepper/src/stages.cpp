@@ -85,6 +85,8 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
       RemeshResult adapted = adapt(conformed.cloth, options);
       return chain_passes(std::move(conformed), std::move(adapted));
     };
+  if (scene.obstacles.empty() && spec.pins.empty()) return stages;
+  stages.constrain = build_constraints;
   auto solver = std::shared_ptr<QpSolver>(make_qp_solver(scene.qp));
   stages.solve = [solver, tolerance = scene.tolerance](const QpProblem& problem, std::span<const char> guess) {
     QpOptions options;

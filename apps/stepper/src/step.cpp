@@ -12,6 +12,7 @@
 #include "crease/geometry/dof_map.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "crease/geometry/wire.hpp"
+#include "crease/solver/linear_solver.hpp"
 #include "feature_tracking.hpp"
 
 namespace crease {
@@ -53,7 +54,9 @@ QpProblem make_problem(const AssembledSystem& system, const ConstraintRows& rows
 
 bool all_finite(const Cloth& cloth) {
   for (int i = 0; i < cloth.mesh.vertex_slots(); ++i)
-    if (!cloth.mesh.x[i].allFinite() || !cloth.mesh.X[i].allFinite() || !cloth.v[i].allFinite()) return false;
+    if (!cloth.mesh.x[i].allFinite() || !cloth.mesh.X[i].allFinite() || !cloth.v[i].allFinite() ||
+        !cloth.V[i].allFinite())
+      return false;
   return true;
 }
 
@@ -87,6 +90,10 @@ struct Work {
   }
 };
 
+Carried carried(const Motion& motion, double density) {
+  return {density * motion.area, density * motion.linear, density * motion.angular, density * motion.kinetic};
+}
+
 void read_multipliers(Work& work) {
   const auto& rows = work.rows;
   const auto& solution = work.solution;
@@ -115,8 +122,6 @@ const char* to_string(StepStatus status) {
       return "state is not finite";
     case StepStatus::EulerianStepTooLong:
       return "material step too long for the triangles ahead";
-    case StepStatus::RemeshFailed:
-      return "remeshing failed";
   }
   return "unknown";
 }
@@ -125,6 +130,7 @@ struct SheetStepper::Impl {
   SheetSettings settings;
   Stages stages;
   Assembler assembler;
+  LinearSolver linear;                      // where there is no solve stage
   const AssembledSystem* system = nullptr;  // the assembler's, of the step under way
   // Of the last accepted assembly: reused while faces and EOL set stay.
   std::vector<std::array<int, 3>> faces;
@@ -140,7 +146,7 @@ struct SheetStepper::Impl {
   bool integrate(Work& work, std::span<const Obstacle> obstacles);
 
   bool same_topology(const Cloth& cloth);
-  std::vector<char> guess(const ConstraintRows& rows, const VecX& free_velocity) const;
+  std::vector<char> guess(const Work& work) const;
   void remember(const ConstraintRows& rows, const QpResult& solution);
   void renumber(const std::vector<int>& vertex_map);
 };
@@ -157,8 +163,13 @@ bool SheetStepper::Impl::same_topology(const Cloth& cloth) {
 }
 
 /// Rows known from the last step start as they ended; new ones start active if the unconstrained motion breaks them.
-std::vector<char> SheetStepper::Impl::guess(const ConstraintRows& rows, const VecX& free_velocity) const {
+std::vector<char> SheetStepper::Impl::guess(const Work& work) const {
+  const ConstraintRows& rows = work.rows;
   std::vector<char> start(rows.in.size());
+  if (start.empty()) return start;
+  VecX free_velocity = gather_velocity(work.cloth, work.dofs);
+  for (int v = 0; v < work.cloth.mesh.n_vertices(); ++v)
+    free_velocity.segment<3>(work.dofs.x(v)) += work.h * settings.dynamics.gravity;
   const VecX slack = rows.A_in * free_velocity - rows.b_in;
   for (std::size_t r = 0; r < rows.in.size(); ++r) {
     const auto known = active.find(key_of(rows.in[r]));
@@ -185,14 +196,17 @@ void SheetStepper::Impl::renumber(const std::vector<int>& vertex_map) {
 }
 
 SheetStepper::SheetStepper(SheetSettings settings, Stages stages)
-    : impl_(std::make_unique<Impl>(Impl{std::move(settings), std::move(stages), {}, nullptr, {}, {}, {}})) {
+    : impl_(std::make_unique<Impl>(Impl{std::move(settings), std::move(stages), {}, {}, nullptr, {}, {}, {}})) {
   require_valid(impl_->settings.material);
+  require(impl_->stages.solve || !impl_->stages.constrain,
+          "SheetStepper: expected a solve stage, as there is one that constrains; got an empty function");
 }
 SheetStepper::~SheetStepper() = default;
 SheetStepper::SheetStepper(SheetStepper&&) noexcept = default;
 
 void SheetStepper::Impl::detect(Work& work) {
-  if (stages.detect) work.contacts = stages.detect(work.cloth, work.posed, work.h);
+  if (!stages.detect) return;
+  work.contacts = stages.detect(work.cloth, work.posed, work.h);
   work.report.contacts = static_cast<int>(work.contacts.size());
   work.report.times.detect += work.watch.lap();
 }
@@ -208,6 +222,8 @@ void SheetStepper::Impl::remesh(Work& work) {
   report.flips = done.flips;
   report.collapses = done.collapses;
   report.refusals = static_cast<int>(done.refusals.size());
+  report.before_remesh = carried(done.before, settings.material.density);
+  report.after_remesh = carried(done.after, settings.material.density);
   report.times.remesh = work.watch.lap();
   if (!done.changed) return;
   renumber(done.vertex_map);
@@ -232,23 +248,23 @@ bool SheetStepper::Impl::assemble(Work& work) {
 }
 
 void SheetStepper::Impl::constrain(Work& work) {
+  if (!stages.constrain) return;
   std::vector<PinState> pins;
   for (std::size_t k = 0; k < settings.pins.size(); ++k)
     pins.push_back(pin_state(settings.pins[k], static_cast<int>(k), work.time, work.h));
   ConstraintOptions options;
   options.h = work.h;
   options.push_out_speed = settings.push_out_speed;
-  work.rows = build_constraints(work.cloth, work.dofs, work.contacts, work.posed, pins, options);
+  work.rows = stages.constrain(work.cloth, work.dofs, work.contacts, work.posed, pins, options);
   work.report.times.constrain = work.watch.lap();
 }
 
 bool SheetStepper::Impl::solve(Work& work) {
-  VecX free_velocity = gather_velocity(work.cloth, work.dofs);
-  for (int v = 0; v < work.cloth.mesh.n_vertices(); ++v)
-    free_velocity.segment<3>(work.dofs.x(v)) += work.h * settings.dynamics.gravity;
-  work.solution = stages.solve(make_problem(*system, work.rows, work.dofs), guess(work.rows, free_velocity));
+  const QpProblem problem = make_problem(*system, work.rows, work.dofs);
+  work.solution = stages.solve ? stages.solve(problem, guess(work)) : linear.solve(problem);
   const QpResult& solution = work.solution;
   work.report.qp_iterations = solution.iterations;
+  work.report.qp_fell_back = solution.fell_back;
   work.report.kkt_residual = solution.kkt_residual;
   work.report.times.solve = work.watch.lap();
   if (solution.status != QpStatus::Solved)

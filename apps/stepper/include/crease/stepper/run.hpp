@@ -13,10 +13,12 @@ namespace crease {
 
 struct RunOptions {
   std::filesystem::path directory;
-  std::optional<double> until = {};  ///< stop after the first step that ends at or after it [s]
-  bool force = false;                ///< write into a directory that is not empty; an earlier run's files go
-  bool resume = false;               ///< continue from the last checkpoint
-  std::string command_line = {};     ///< recorded in summary.json
+  std::optional<double> until = {};  ///< stop after the first step that ends at or after it, Done but not finished [s]
+  /// Write into a directory that is not empty. An earlier run's files go once this one's first step has succeeded and
+  /// its own checkpoint stands in the old one's place.
+  bool force = false;
+  bool resume = false;            ///< continue from the last checkpoint
+  std::string command_line = {};  ///< recorded in summary.json
   /// Makes the stages of each sheet: assign another function to run with a stage of your own.
   std::function<Stages(const Scene&, const ClothSpec&)> stages = make_stages;
 };

@@ -30,8 +30,9 @@ class SceneError : public std::runtime_error {
 /// A scene ready to run: parsed, defaults filled in, meshes read or made, pins resolved to vertices.
 struct LoadedScene {
   Scene scene;
-  std::vector<Cloth> cloths;        ///< at time 0, pins set
-  std::string resolved_json;        ///< the scene with all defaults, enough to repeat the run (absolute mesh paths)
+  std::vector<Cloth> cloths;  ///< at time 0, pins set
+  std::string
+      resolved_json;  ///< the scene with all defaults, enough to repeat the run (absolute mesh paths); one line end
   std::filesystem::path file = {};  ///< where it was read; a run that would overwrite it is refused
 };
 

@@ -17,12 +17,20 @@
 
 namespace crease {
 
-enum class StepStatus { Done, QpFailed, NotFinite, EulerianStepTooLong, RemeshFailed };
+enum class StepStatus { Done, QpFailed, NotFinite, EulerianStepTooLong };
 const char* to_string(StepStatus status);
 
 /// Seconds of wall time a stage took.
 struct StageTimes {
   double detect = 0, remesh = 0, transfer = 0, assemble = 0, constrain = 0, solve = 0, integrate = 0;
+};
+
+/// Mass, momentum and kinetic energy of a sheet beside a remeshing.
+struct Carried {
+  double mass = 0;                       ///< [kg]
+  Vec3 momentum = Vec3::Zero();          ///< [kg m/s]
+  Vec3 angular_momentum = Vec3::Zero();  ///< about the centre of mass [kg m^2/s]
+  double kinetic_energy = 0;             ///< [J]
 };
 
 /// What one step of one sheet did; the numbers of a row of steps.csv.
@@ -32,6 +40,8 @@ struct StepReport {
   int contacts = 0, active_constraints = 0, qp_iterations = 0;
   int inserted = 0, released = 0, refusals = 0;
   int splits = 0, flips = 0, collapses = 0;
+  Carried before_remesh, after_remesh;  ///< zeros where the stage is left out
+  bool qp_fell_back = false;            ///< see QpResult
   double kkt_residual = 0;
   double kinetic_energy = 0, membrane_energy = 0, bending_energy = 0, gravitational_energy = 0;  ///< before the step
   Vec3 momentum = Vec3::Zero();
@@ -44,7 +54,10 @@ struct StepReport {
 struct Stages {
   std::function<std::vector<Contact>(const Cloth&, std::span<const PosedObstacle>, double h)> detect;
   std::function<RemeshResult(const Cloth&, std::span<const Contact>, std::span<const PosedObstacle>, double h)> remesh;
-  std::function<QpResult(const QpProblem&, std::span<const char> guess)> solve;
+  std::function<ConstraintRows(const Cloth&, const DofMap&, std::span<const Contact>, std::span<const PosedObstacle>,
+                               std::span<const PinState>, const ConstraintOptions&)>
+      constrain;
+  std::function<QpResult(const QpProblem&, std::span<const char> guess)> solve;  ///< empty: H q = f, no QP
 };
 
 /// Everything of a sheet that lives from step to step.
@@ -64,6 +77,7 @@ struct StepResult {
 /// Advances one sheet; see step().
 class SheetStepper {
  public:
+  /// Throws std::invalid_argument if the material is not valid, or if `stages` has rows to constrain and none to solve.
   SheetStepper(SheetSettings settings, Stages stages);
   ~SheetStepper();
   SheetStepper(SheetStepper&&) noexcept;
@@ -78,7 +92,7 @@ class SheetStepper {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The shipped stages for a scene's sheet.
+/// The shipped stages for a scene's sheet: none that it does not need.
 Stages make_stages(const Scene& scene, const ClothSpec& spec);
 
 /// Mean velocity of a pin over [time, time + h]: exact integral of the smoothed script.
