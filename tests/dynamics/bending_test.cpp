@@ -130,7 +130,7 @@ struct Plate {
 
 // Exact values: the usual energy, 3/(A_0 + A_1) |K^T x|^2 / 2, has the plate constants (D11, D12, D66)/B = (3, -1, 2)
 // equilateral, (3, 0, 4.5) one diagonal, (3, 0, 3) alternating, (4.5, -1.5, 1.5) crossed, found from the periodic cell
-// and for the first also by Seung and Nelson 1988 (kappa = sqrt(3)/2 k_hinge). Ours is a third of it.
+// and for the first also by kappa = sqrt(3)/2 k_hinge [SEUNG88]. Ours is a third of it.
 std::vector<Plate> plates(int n) {
   const auto grid = [n](GridPattern pattern) { return make_grid({.cells = {n, n}, .pattern = pattern}); };
   return {{"equilateral", equilateral_mesh(n), std::sqrt(0.75) / n, 1, -1.0 / 3, 2.0 / 3},

@@ -150,7 +150,7 @@ TEST(HangingStrip, IsExactInTheMeanOfEveryRowWhenFree) {
   }
 }
 
-// Elastic catenary between two level clamps, natural length 1 (Irvine): with H the horizontal tension and V = w L/2,
+// Elastic catenary between two level clamps, natural length 1 [IRVINE81]: with H the horizontal tension and V = w L/2,
 // span = L H/E + 2 H/w asinh(V/H), sag = V L/(4 E) + H/w (sqrt(1 + (V/H)^2) - 1).
 double catenary_sag(double span, double E, double w) {
   const double V = 0.5 * w;

@@ -151,7 +151,7 @@ bool plain_exchange_cycles(const MatX& H, const VecX& f) {
 }
 
 TEST(ActiveSetQp, EndsWherePlainBlockExchangeCycles) {
-  // Known three-unknown example of a cycling primal-dual active set [Curtis, Han, Robinson 2015], u = -x. The cycle has
+  // Known three-unknown example of a cycling primal-dual active set [CURTIS15], u = -x. The cycle has
   // three sets; several copies on the diagonal cycle in step.
   const MatX H = (MatX(3, 3) << 4, 5, -5, 5, 9, -5, -5, -5, 7).finished();
   const VecX f = (VecX(3) << 2, 1, -3).finished();

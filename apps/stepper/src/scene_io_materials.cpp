@@ -14,7 +14,7 @@ struct ShippedMaterial {
   Material material;
 };
 
-// Densities are measured: Wang, O'Brien, Ramamoorthi 2011, "Data-driven elastic models for cloth" (samples
+// Densities are measured [WANG11] (samples
 // "gray-interlock", 60 % cotton 40 % polyester, t-shirt; "11oz-black-denim", 99 % cotton, jeans; "white-dots-on-blk",
 // polyester, tablecloth). The stiffnesses are this project's own round numbers of the order that such cloth has: soft
 // in the plane as a knit or firm as a weave, bending as in fabric hand tests (1e-6 to 1e-4 N m).

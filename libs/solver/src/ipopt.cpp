@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The only file that calls Ipopt.
+// The only file that calls Ipopt [WAECHTER06].
 #include "ipopt.hpp"
 
 #include <Eigen/SparseCholesky>
