@@ -10,8 +10,9 @@
 
 namespace crease {
 
-/// P A P^T = L L^T of a sparse symmetric positive definite matrix by CHOLMOD's supernodal factorisation [CHEN08], on one thread.
-/// The analysis is kept until the next analyze(); factorize() may be called with new values any number of times.
+/// P A P^T = L L^T of a sparse symmetric positive definite matrix by CHOLMOD's supernodal factorisation [CHEN08], on
+/// one thread. The analysis is kept until the next analyze(); factorize() may be called with new values any number of
+/// times.
 class SparseCholesky {
  public:
   SparseCholesky();
