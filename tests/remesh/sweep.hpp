@@ -155,9 +155,16 @@ class Sweep {
     return true;
   }
 
-  // The sheet is at rest: what remeshing makes of velocities is tested elsewhere.
+  // The material is at rest, whatever slides through it: what remeshing makes of velocities is tested elsewhere.
   void stop() {
-    for (int v = 0; v < cloth_.mesh.n_vertices(); ++v) cloth_.v[v] = Vec3::Zero();
+    for (int v = 0; v < cloth_.mesh.n_vertices(); ++v) cloth_.v[v] -= cloth_.world_velocity(v);
+  }
+
+  void rest() {
+    for (int v = 0; v < cloth_.mesh.n_vertices(); ++v) {
+      cloth_.V[v].setZero();
+      cloth_.v[v].setZero();
+    }
   }
 
   void let_go() {
@@ -204,29 +211,49 @@ class Sweep {
       if (contact.type == ContactType::VertexFace || std::abs(contact.distance) > 0.25e-3) continue;
       Vec2 X = Vec2::Zero();
       for (int k = 0; k < contact.n_vertices; ++k) X += contact.weights[k] * cloth_.mesh.X[contact.vertices[k]];
-      open.push_back(X);
+      if (!is_taken(contact.feature, X)) open.push_back(X);
     }
     add_gaps(posed, open);
     return open;
   }
 
+  // Vertices of a chain nearer than 0.75 of merge become one, so such a vertex stands for the crossing.
+  bool is_taken(const FeatureId& feature, const Vec2& X) const {
+    for (int v = 0; v < cloth_.mesh.n_vertices(); ++v)
+      if (cloth_.is_eol(v) && lies_on(cloth_.feature[v], feature) &&
+          (cloth_.mesh.X[v] - X).norm() < 0.75 * conforming_.merge)
+        return true;
+    return false;
+  }
+
+  bool lies_on(const FeatureId& f, const FeatureId& feature) const {
+    if (f == feature) return true;
+    if (feature.kind != FeatureKind::Edge || f.kind != FeatureKind::Corner || f.obstacle != feature.obstacle)
+      return false;
+    const std::array<int, 2>& corners = shapes_[feature.obstacle].edges[feature.index].corners;
+    return f.index == corners[0] || f.index == corners[1];
+  }
+
   void judge() {
     ++tally.positions;
     std::vector<Vec2> open = open_places();
-    // adapt() may lay new edges across the feature where a chain ends inside the cloth: the next pass sees them.
-    if (!open.empty() && remesh()) open = open_places();
-    bool thin = false, refused = false;
+    // adapt() may lay new edges across the feature where a chain ends inside the cloth: the next pass sees them. And
+    // where a vertex slides through a fold the facets beside it rise: what is refused for that is not at rest.
+    if (!open.empty()) {
+      rest();
+      if (remesh()) open = open_places();
+    }
+    bool thin = false;
     for (const Refusal& refusal : last_.refusals) {
       ++tally.reasons[to_string(refusal.reason)];
       thin = thin || refusal.reason == RefusalReason::TooThin;
-      refused = refused || refusal.reason != RefusalReason::TooThin;
     }
     tally.thin += thin ? 1 : 0;
     if (open.empty()) {
       ++tally.complete;
     } else if (std::all_of(open.begin(), open.end(), [&](const Vec2& X) { return near_border(X); })) {
       ++tally.by_rule;
-    } else if (refused) {
+    } else if (std::all_of(open.begin(), open.end(), [&](const Vec2& X) { return near_border(X) || is_refused(X); })) {
       ++tally.refused;
     } else {
       ++tally.silent;
@@ -238,13 +265,26 @@ class Sweep {
     }
   }
 
+  // Whether a reason other than the rules for borders stands near, from one end of a link to its middle.
+  bool is_refused(const Vec2& X) const {
+    return std::any_of(last_.refusals.begin(), last_.refusals.end(), [&](const Refusal& refusal) {
+      return refusal.reason != RefusalReason::TooThin && refusal.reason != RefusalReason::NearBorder &&
+             refusal.reason != RefusalReason::AtCorner && (refusal.X - X).norm() < 2.0 / setup_.cells;
+    });
+  }
+
   // The band along the border in which chains are neither begun nor kept.
   bool near_border(const Vec2& X) const { return std::min({X.x(), X.y(), 1 - X.x(), 1 - X.y()}) < conforming_.merge; }
 
-  // Whether the sheet between two vertices is at the feature all the way: it may stand off it, which is no gap.
-  bool touches(const testing::Surface& surface, int p, int q) const {
-    for (double t = 0.125; t < 1; t += 0.125)
-      if (surface.at((1 - t) * cloth_.mesh.X[p] + t * cloth_.mesh.X[q]).z() > 0.45e-3) return false;
+  // Whether the sheet between two vertices is at the edge all the way: it may stand off it, which is no gap. A wire has
+  // no side, so there the way counts in every direction.
+  bool touches(const testing::Surface& surface, int p, int q, const Vec3& a, const Vec3& t, bool is_wire) const {
+    constexpr int samples = 64;
+    for (int k = 1; k < samples; ++k) {
+      const double s = static_cast<double>(k) / samples;
+      const Vec3 away = surface.at((1 - s) * cloth_.mesh.X[p] + s * cloth_.mesh.X[q]) - a;
+      if ((is_wire ? (away - t.dot(away) * t).norm() : away.z()) > 0.45e-3) return false;
+    }
     return true;
   }
 
@@ -258,16 +298,13 @@ class Sweep {
         std::vector<std::pair<double, int>> order;
         for (int v = 0; v < cloth_.mesh.n_vertices(); ++v) {
           const FeatureId& f = cloth_.feature[v];
-          const bool on_edge = f == FeatureId{o, FeatureKind::Edge, e};
-          const auto& corners = shape.edges[e].corners;
-          const bool at_end =
-              f.obstacle == o && f.kind == FeatureKind::Corner && (f.index == corners[0] || f.index == corners[1]);
-          if (on_edge || at_end) order.emplace_back(t.dot(cloth_.mesh.x[v] - a), v);
+          if (lies_on(f, {o, FeatureKind::Edge, e})) order.emplace_back(t.dot(cloth_.mesh.x[v] - a), v);
         }
         std::sort(order.begin(), order.end());
         for (std::size_t i = 0; i + 1 < order.size(); ++i) {
           const int p = order[i].second, q = order[i + 1].second, h = cloth_.mesh.find_edge(p, q);
-          if ((h == Mesh::none || cloth_.mesh.tag(h) != edge_tag(o, e)) && touches(surface, p, q))
+          if ((h == Mesh::none || cloth_.mesh.tag(h) != edge_tag(o, e)) &&
+              touches(surface, p, q, a, t, shape.edges[e].free_cone))
             open.push_back(0.5 * (cloth_.mesh.X[p] + cloth_.mesh.X[q]));
         }
       }

@@ -119,7 +119,10 @@ void insert_crossing(Conforming& c, const Contact& contact) {
   for (const int v : {a, b})
     if (lies_on(c.cloth().feature[v], contact.feature, c.obstacles)) return;
   const SurfacePoint point = on_edge_point(c.cloth(), h, t);
-  if (separates(c, contact.feature, point, contact.normal)) return;
+  if (separates(c, contact.feature, point, contact.normal)) {
+    c.editor.refuse_once(RefusalReason::Separating, point.X);
+    return;
+  }
   const Vec3 tangent = world_edge(contact.feature, c.obstacles).tangent;
   const Vec2 direction = pull_back(edge_gradient(c.mesh(), h), tangent);
   const int end = t < 0.5 ? a : b;
@@ -199,7 +202,10 @@ void insert_corner(Conforming& c, const Contact& contact) {
     point.x += b[k] * c.mesh().x[corners[k]];
     point.v += b[k] * w[k];
   }
-  if (separates(c, contact.feature, point, contact.normal)) return;
+  if (separates(c, contact.feature, point, contact.normal)) {
+    c.editor.refuse_once(RefusalReason::Separating, point.X);
+    return;
+  }
   if (c.border.distance(P) < c.merge(insert_border_share)) {
     c.editor.refuse_once(RefusalReason::NearBorder, P);
     return;

@@ -48,6 +48,8 @@ const char* to_string(RefusalReason reason) {
       return "too near to the border";
     case RefusalReason::AtCorner:
       return "at a corner of the cloth";
+    case RefusalReason::Separating:
+      return "moving away from the feature";
     case RefusalReason::WouldLoseChain:
       return "would lose the chain";
     case RefusalReason::NotManifold:

@@ -44,7 +44,9 @@ bool is_crowded(const Conforming& c, int v) {
   const double reach = c.merge(release_share);
   if (c.border.corner_distance(mesh.X[v]) < reach) return true;
   if (mesh.is_border_vertex(v)) return c.cloth().feature[v].kind == FeatureKind::Corner || hugs_border(c, v);
-  if (c.border.distance(mesh.X[v]) >= reach) return false;
+  const double room = c.border.distance(mesh.X[v]);
+  if (room >= reach) return false;
+  if (room < c.merge(last_share)) return true;  // should have been merged with the chain's end, which was not possible
   if (c.cloth().feature[v].kind == FeatureKind::Corner || !ends_at_border_beside(c, v)) return true;
   const Vec2 tangent = chain_tangent(c.cloth(), v, c.obstacles);
   return c.border.distance_along(mesh.X[v], tangent, c.border_cosine(release_angle_share)) < reach;

@@ -39,13 +39,14 @@ enum class RefusalReason {
   NotConnected,
   NearBorder,
   AtCorner,
+  Separating,  ///< the cloth moves away from the feature there
   WouldLoseChain,
   NotManifold,
   Pinned,
   WouldMoveSurface,
   NearObstacle
 };
-inline constexpr std::size_t n_refusal_reasons = 11;
+inline constexpr std::size_t n_refusal_reasons = 12;
 const char* to_string(RefusalReason reason);
 
 /// Something that could not be done, and where; the caller slows the step and tries again.
@@ -70,7 +71,7 @@ struct RemeshReport {
   int inserted = 0;      ///< new EOL vertices from contact
   int released = 0;      ///< EOL vertices made Lagrangian
   int splits = 0, flips = 0, collapses = 0;
-  std::vector<Refusal> refusals;  ///< NearBorder and AtCorner are rules, not trouble: at most one of each is listed
+  std::vector<Refusal> refusals;  ///< NearBorder, AtCorner, Separating are rules, not trouble: at most one each
   /// Flips and collapses that were due but not allowed, by RefusalReason; they are tried again in every pass.
   std::array<int, n_refusal_reasons> kept_back{};
   std::vector<int> vertex_map;          ///< old -> new vertex (Mesh::none = gone); empty when nothing changed
