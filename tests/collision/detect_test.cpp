@@ -45,7 +45,7 @@ PosedObstacle random_box(Rng& rng, const ObstacleShape& shape) {
   box.pose.position = Vec3(uniform(rng, 0, 1.5), uniform(rng, 0, 1), uniform(rng, -0.4, 0.4));
   box.pose.rotation = random_rotation(rng);
   box.pose.velocity = random_point(rng, 1);
-  box.pose.angular_velocity = random_point(rng, 3);
+  box.pose.spin = cross_matrix(random_point(rng, 3));
   return box;
 }
 
@@ -182,9 +182,9 @@ TEST(Detect, TurnsWithTheScene) {
     Cloth turned = cloth;
     for (Vec3& x : turned.mesh.x) x = R * x + shift;
     for (Vec3& v : turned.v) v = R * v;
-    const PosedObstacle turned_box{
-        &shape,
-        {R * box.pose.position + shift, R * box.pose.rotation, R * box.pose.velocity, R * box.pose.angular_velocity}};
+    const PosedObstacle turned_box{&shape,
+                                   {R * box.pose.position + shift, R * box.pose.rotation, R * box.pose.velocity,
+                                    R * box.pose.spin * R.transpose()}};
     const auto rotated = Detector().detect(turned, {&turned_box, 1}, options);
     ASSERT_EQ(contacts.size(), rotated.size());
     for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -257,7 +257,7 @@ TEST(Detect, GivesTheVelocityOfATurningObstacleAtThePoint) {
   PosedObstacle box{&shape, {}};
   box.pose.position = {0.5, 0.5, -0.5};
   box.pose.velocity = {0, 0, 0.5};
-  box.pose.angular_velocity = {0, 2, 0};
+  box.pose.spin = cross_matrix({0, 2, 0});
   const auto contacts = Detector().detect(cloth, {&box, 1}, {});
   ASSERT_EQ(contacts.size(), cloth.mesh.X.size());
   for (const Contact& c : contacts) {

@@ -30,12 +30,40 @@ Contact vertex_face(int vertex, const Vec3& normal, double gap, const Vec3& velo
 struct Plain {
   Cloth cloth = make_cloth(make_grid({.cells = {3, 3}, .pattern = GridPattern::Right}));
   DofMap dofs = make_dof_map(cloth);
+  ObstacleShape box = make_box({1, 1, 1});
+  Pose pose;
   ConstraintRows rows(const std::vector<Contact>& contacts, const std::vector<PinState>& pins = {}) const {
     ConstraintOptions options;
     options.h = h;
-    return build_constraints(cloth, dofs, contacts, {}, pins, options);
+    const std::vector<PosedObstacle> obstacles = {{&box, pose}};
+    return build_constraints(cloth, dofs, contacts, obstacles, pins, options);
   }
 };
+
+// The mean motion over h of an obstacle that turns by up to a radian in it.
+Pose turning(std::mt19937_64& rng) {
+  Pose pose{.position = random_vector(rng, 1), .rotation = random_rotation(rng), .velocity = random_vector(rng, 1)};
+  const Mat3 turn = Eigen::AngleAxisd(uniform(rng, 0, 1), random_vector(rng, 1).normalized()).toRotationMatrix();
+  pose.spin = (turn - Mat3::Identity()) / h;
+  return pose;
+}
+
+TEST(ContactRows, SlidingOnATurningFaceEndsOnTheFace) {
+  std::mt19937_64 rng(29);
+  SCOPED_TRACE("seed 29");
+  for (int trial = 0; trial < 50; ++trial) {
+    Plain plain;
+    plain.pose = turning(rng);
+    const Vec3 normal = plain.pose.rotation.col(2), x = plain.pose.to_world({0.3, -0.2, 0.5});
+    const ConstraintRows rows = plain.rows({vertex_face(5, normal, 0, plain.pose.velocity_at(x))});
+    ASSERT_EQ(rows.in.size(), 1u);
+    const Vec3 n = rows.in[0].normal, slip = random_vector(rng, 2);
+    const Vec3 end = x + h * (rows.b_in[0] * n + slip - n.dot(slip) * n);
+    const Pose there{.position = plain.pose.position + h * plain.pose.velocity,
+                     .rotation = plain.pose.rotation + h * plain.pose.spin * plain.pose.rotation};
+    EXPECT_NEAR(there.to_local(end).z(), 0.5, round_off) << trial;
+  }
+}
 
 TEST(ContactRows, EachTypeIsOneRowWithTheContactsWeights) {
   std::mt19937_64 rng(17);

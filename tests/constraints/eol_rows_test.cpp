@@ -151,17 +151,43 @@ TEST(EolRows, BoundIsTheObstaclesVelocityAtTheVertex) {
   SCOPED_TRACE("seed 3");
   EolSheet sheet = make_eol_sheet(0.3);
   sheet.pose.velocity = random_vector(rng, 1.0);
-  sheet.pose.angular_velocity = random_vector(rng, 2.0);
+  sheet.pose.spin = cross_matrix(random_vector(rng, 2.0));
   place(sheet, random_rotation(rng), random_vector(rng, 1.0));
   const ConstraintRows rows = sheet.rows();
   for (std::size_t r = 0; r < rows.in.size(); ++r) {
     const Vec3 arm = sheet.cloth.mesh.x[rows.in[r].vertex] - sheet.pose.position;
-    const Vec3 velocity = sheet.pose.velocity + sheet.pose.angular_velocity.cross(arm);
+    const Vec3 velocity = sheet.pose.velocity + sheet.pose.spin * arm;
     EXPECT_NEAR(rows.b_in[static_cast<int>(r)], rows.in[r].normal.dot(velocity), 5 * gap_round_off);
   }
   for (const int r : rows_of(rows.eq, RowKind::EolHold)) {
     const Vec3 at = sheet.pose.velocity_at(sheet.cloth.mesh.x[rows.eq[r].vertex]);
     EXPECT_NEAR(rows.b_eq[r], rows.eq[r].normal.dot(at), 5 * gap_round_off);
+  }
+}
+
+// What the rows leave free is sliding along the edge; with that, the vertex ends on the line where the edge then is.
+TEST(EolRows, SlidingAlongATurningEdgeEndsOnTheEdge) {
+  std::mt19937_64 rng(31);
+  SCOPED_TRACE("seed 31");
+  for (int trial = 0; trial < 20; ++trial) {
+    EolSheet sheet = make_eol_sheet(0.3);
+    sheet.pose.velocity = random_vector(rng, 1.0);
+    const Mat3 turn = Eigen::AngleAxisd(uniform(rng, 0, 1), random_vector(rng, 1.0).normalized()).toRotationMatrix();
+    sheet.pose.spin = (turn - Mat3::Identity()) / h;
+    place(sheet, random_rotation(rng), random_vector(rng, 1.0));
+    const ConstraintRows rows = sheet.rows();
+    const Pose there{.position = sheet.pose.position + h * sheet.pose.velocity,
+                     .rotation = sheet.pose.rotation + h * sheet.pose.spin * sheet.pose.rotation};
+    const SharpEdge& edge = sheet.shape.edges[sheet.feature.index];
+    const Vec3 tangent = there.rotation * (edge.b - edge.a).normalized();
+    for (const int v : sheet.chain) {
+      const int in = rows_of(rows.in, RowKind::EolNormal, v).front();
+      const int hold = rows_of(rows.eq, RowKind::EolHold, v).front();
+      const Vec3 end = sheet.cloth.mesh.x[v] +
+                       h * (rows.b_in[in] * rows.in[in].normal + rows.b_eq[hold] * rows.eq[hold].normal + 2 * tangent);
+      const Vec3 off = end - there.to_world(edge.a);
+      EXPECT_LE((off - tangent.dot(off) * tangent).norm(), 5 * gap_round_off * h) << trial;
+    }
   }
 }
 

@@ -77,7 +77,7 @@ inline void place(EolSheet& sheet, const Mat3& Q, const Vec3& shift) {
   sheet.pose.position = Q * sheet.pose.position + shift;
   sheet.pose.rotation = Q * sheet.pose.rotation;
   sheet.pose.velocity = Q * sheet.pose.velocity;
-  sheet.pose.angular_velocity = Q * sheet.pose.angular_velocity;
+  sheet.pose.spin = Q * sheet.pose.spin * Q.transpose();
   sheet.up = Q * sheet.up;
   sheet.side = Q * sheet.side;
   sheet.along = Q * sheet.along;

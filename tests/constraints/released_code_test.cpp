@@ -48,7 +48,7 @@ TEST(KnownDefect, ChainThroughTheMaterialOriginKeepsItsTangent) {
 TEST(KnownDefect, EveryRowMovesWithItsObstacle) {
   EolSheet sheet = make_eol_sheet(0.4);
   sheet.pose.velocity = {0, 0, 0.5};
-  sheet.pose.angular_velocity = {0.3, -0.2, 0.1};
+  sheet.pose.spin = cross_matrix({0.3, -0.2, 0.1});
   Contact contact;
   contact.obstacle = 0;
   contact.n_vertices = 1;

@@ -69,8 +69,8 @@ Pose mean_motion(const Obstacle& obstacle, double time, double h) {
   Pose pose = pose_at(obstacle, time);
   const Pose end = pose_at(obstacle, time + h);
   pose.velocity = (end.position - pose.position) / h;
-  const Eigen::AngleAxisd turn(Mat3(end.rotation * pose.rotation.transpose()));
-  pose.angular_velocity = turn.angle() / h * turn.axis();
+  const bool turns = end.rotation != pose.rotation;  // else no round-off of R R^T
+  pose.spin = turns ? Mat3((end.rotation * pose.rotation.transpose() - Mat3::Identity()) / h) : Mat3(Mat3::Zero());
   return pose;
 }
 

@@ -8,7 +8,7 @@
 
 namespace crease {
 
-/// Pose at `time` with the constant twist that carries it to its pose at `time + h`.
+/// Pose at `time` with the mean motion of its points until `time + h`: straight, to where they are then.
 Pose mean_motion(const Obstacle& obstacle, double time, double h);
 
 /// After the positions were advanced to `time`, looks at every EOL vertex: one that stands on its feature is freed of

@@ -64,7 +64,8 @@ void Builder::add_eol_world(int vertex) {
     lie_on(cone, support_normal(cloth, vertex, cone.tangent, cone.normals));
   }
   const Vec3& x = cloth.mesh.x[vertex];
-  const Vec3 velocity = obstacles[feature.obstacle].pose.velocity_at(x);
+  const Pose& pose = obstacles[feature.obstacle].pose;
+  const Vec3 velocity = pose.velocity_at(x);
   const Term term{vertex, 1.0};
   const auto info = [&](RowKind kind, std::size_t slot, const Vec3& direction) {
     return RowInfo{kind, vertex, feature, static_cast<int>(slot), direction};
@@ -74,16 +75,16 @@ void Builder::add_eol_world(int vertex) {
     for (std::size_t k = 0; k < cone.holds.size(); ++k) {
       const double offset = cone.holds[k].dot(x - cone.point);
       const double back = std::copysign(gap_velocity(-std::abs(offset), options), -offset);
+      cone.holds[k] = pose.turned(cone.holds[k], options.h);
       eq.push_back(
           world_row(info(RowKind::EolHold, k, cone.holds[k]), {&term, 1}, cone.holds[k].dot(velocity) + back, dofs));
     }
     free.fix(vertex, cone.holds);
   }
   for (std::size_t k = 0; k < cone.normals.size(); ++k) {
-    const Vec3& normal = cone.normals[k];
-    const double carried = normal.dot(velocity);
-    const double gap = normal.dot(x - cone.point);
-    add_inequality(info(RowKind::EolNormal, k, normal), {&term, 1}, carried + gap_velocity(gap, options));
+    const double gap = cone.normals[k].dot(x - cone.point);
+    const Vec3 normal = pose.turned(cone.normals[k], options.h);
+    add_inequality(info(RowKind::EolNormal, k, normal), {&term, 1}, normal.dot(velocity) + gap_velocity(gap, options));
   }
 }
 
@@ -121,8 +122,11 @@ void Builder::add_contact(const Contact& contact) {
   require(!terms.empty(), "build_constraints: expected a contact with at least one weight");
   FeatureId feature = contact.feature;
   feature.obstacle = contact.obstacle;  // also for a face, which is no feature
-  const RowInfo info{.kind = RowKind::Contact, .vertex = terms[0].vertex, .feature = feature, .normal = contact.normal};
-  add_inequality(info, terms, contact.normal.dot(contact.velocity) + gap_velocity(contact.distance, options));
+  require(feature.obstacle >= 0 && static_cast<std::size_t>(feature.obstacle) < obstacles.size(),
+          "build_constraints: expected contacts with the given obstacles");
+  const Vec3 normal = obstacles[feature.obstacle].pose.turned(contact.normal, options.h);
+  const RowInfo info{.kind = RowKind::Contact, .vertex = terms[0].vertex, .feature = feature, .normal = normal};
+  add_inequality(info, terms, normal.dot(contact.velocity) + gap_velocity(contact.distance, options));
 }
 
 void Builder::add_inequality(const RowInfo& info, std::span<const Term> terms, double bound) {

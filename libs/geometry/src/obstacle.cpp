@@ -127,13 +127,14 @@ Pose pose_at(const Obstacle& obstacle, double time) {
   require(std::is_sorted(motion.begin(), motion.end(), [](const auto& a, const auto& b) { return a.time < b.time; }),
           "pose_at: expected motion keys with ascending times");
   Pose pose = obstacle.start;
-  pose.velocity = pose.angular_velocity = Vec3::Zero();
+  pose.velocity = Vec3::Zero();
+  pose.spin = Mat3::Zero();
   for (std::size_t k = 0; k < motion.size() && motion[k].time <= time; ++k) {
     const double next = k + 1 < motion.size() ? motion[k + 1].time : std::numeric_limits<double>::infinity();
     const double from = std::max(motion[k].time, 0.0), to = std::min(next, time);
     if (to > from) move(pose, motion[k], to - from);
     pose.velocity = motion[k].velocity;
-    pose.angular_velocity = motion[k].angular_velocity;
+    pose.spin = cross_matrix(motion[k].angular_velocity);
   }
   return pose;
 }

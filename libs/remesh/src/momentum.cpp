@@ -29,10 +29,6 @@ constexpr int max_rings = 3;
 // An energy is not above another if by less than this share: rounding of sums over a patch.
 constexpr double energy_rounding = 1e-14;
 
-Mat3 cross_matrix(const Vec3& a) {
-  return Mat3{{0, -a.z(), a.y()}, {a.z(), 0, -a.x()}, {-a.y(), a.x(), 0}};
-}
-
 void sort_unique(std::vector<int>& ids) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());

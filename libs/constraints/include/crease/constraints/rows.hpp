@@ -52,6 +52,8 @@ struct ConstraintOptions {
 
 /// Algorithm 2 of the paper with signs from the obstacle, border rule, Lagrangian contacts, pins, right-hand sides with
 /// the obstacle's velocity and the gap. A pinned axis wins over an inequality it would contradict.
+/// Directions are those at the end of the step, as the obstacles' motion turns them (Pose::turned), so that what slides
+/// on a turning face ends up on it; gaps are measured at the start.
 /// Rows are ordered by vertex, then kind; deterministic.
 ConstraintRows build_constraints(const Cloth& cloth, const DofMap& dofs, std::span<const Contact> contacts,
                                  std::span<const PosedObstacle> obstacles, std::span<const PinState> pins,

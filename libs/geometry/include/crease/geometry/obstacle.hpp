@@ -77,16 +77,24 @@ struct MotionKey {
   Vec3 angular_velocity = Vec3::Zero();  ///< about the obstacle's own position, world axes [rad/s]
 };
 
-/// Position and velocity of a rigid obstacle at one time.
+/// [a]x: cross_matrix(a) * b = a x b.
+inline Mat3 cross_matrix(const Vec3& a) {
+  return Mat3{{0, -a.z(), a.y()}, {a.z(), 0, -a.x()}, {-a.y(), a.x(), 0}};
+}
+
+/// Where a rigid obstacle is and how it moves: at an instant, where `spin` is [omega]x, or in the mean over a step h,
+/// where it is (R(t+h) R(t)^T - 1) / h, so that p + h velocity_at(p) is where the obstacle's point p ends up, exactly.
 struct Pose {
   Vec3 position = Vec3::Zero();
   Mat3 rotation = Mat3::Identity();
   Vec3 velocity = Vec3::Zero();
-  Vec3 angular_velocity = Vec3::Zero();
+  Mat3 spin = Mat3::Zero();  ///< velocity gradient [1/s]
   Vec3 to_world(const Vec3& p) const { return position + rotation * p; }
   Vec3 to_local(const Vec3& p) const { return rotation.transpose() * (p - position); }
   /// World velocity of the obstacle's material at world point p.
-  Vec3 velocity_at(const Vec3& p) const { return velocity + angular_velocity.cross(p - position); }
+  Vec3 velocity_at(const Vec3& p) const { return velocity + spin * (p - position); }
+  /// The obstacle's direction d after h seconds; a unit vector stays one if the motion is the mean over h.
+  Vec3 turned(const Vec3& d, double h) const { return d + h * (spin * d); }
 };
 
 struct Obstacle {
