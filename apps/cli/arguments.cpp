@@ -78,7 +78,7 @@ std::vector<std::string> verb_names(const CLI::App& app) {
 
 int usage_error(const std::string& message, const std::string& verb = "") {
   std::cerr << "crease: " << message << "\nTry 'crease " << verb << (verb.empty() ? "" : " ") << "--help'.\n";
-  return exit_usage;
+  return ExitUsage;
 }
 
 // "; did you mean ..." for the first option that the verb does not know.
@@ -107,7 +107,7 @@ std::variant<Arguments, int> parse_arguments(int argc, const char* const* argv) 
 
   if (argc < 2) {
     std::cerr << app.help();
-    return exit_usage;
+    return ExitUsage;
   }
   const std::string first = argv[1];
   const std::vector<std::string> verbs = verb_names(app);
@@ -117,7 +117,7 @@ std::variant<Arguments, int> parse_arguments(int argc, const char* const* argv) 
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
     app.exit(success, std::cout, std::cerr);
-    return std::cout.flush() ? exit_done : exit_file_trouble;
+    return std::cout.flush() ? ExitDone : ExitFileTrouble;
   } catch (const CLI::ParseError& error) {
     const bool has_verb = !first.starts_with('-');
     const bool unknown_word = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;

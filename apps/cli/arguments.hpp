@@ -10,7 +10,7 @@
 namespace crease::cli {
 
 /// Exit statuses that do not come from a run.
-enum ExitStatus { exit_done = 0, exit_usage = 2, exit_file_trouble = 3 };
+enum ExitStatus { ExitDone = 0, ExitUsage = 2, ExitFileTrouble = 3 };
 
 /// What the command line asks for.
 struct Arguments {

@@ -28,9 +28,9 @@ void stop_on_signals() {
 
 // Standard output may be a full disk or a closed pipe; a result that nobody got is not success.
 int printed() {
-  if (std::cout.flush()) return exit_done;
+  if (std::cout.flush()) return ExitDone;
   std::cerr << "crease: standard output cannot be written\n";
-  return exit_file_trouble;
+  return ExitFileTrouble;
 }
 
 int run(const Arguments& arguments) {
@@ -88,7 +88,7 @@ int dispatch(const Arguments& arguments) {
     return printed();
   }
   std::cerr << "crease: \"" << arguments.verb << "\" is not available yet\n";
-  return exit_usage;
+  return ExitUsage;
 }
 
 }  // namespace
@@ -98,13 +98,13 @@ int execute(const Arguments& arguments) {
     return dispatch(arguments);
   } catch (const SceneError& error) {
     std::cerr << error.what() << '\n';
-    return exit_usage;
+    return ExitUsage;
   } catch (const UsageError& error) {
     std::cerr << "crease: " << error.what() << '\n';
-    return exit_usage;
+    return ExitUsage;
   } catch (const std::runtime_error& error) {
     std::cerr << "crease: " << error.what() << '\n';
-    return exit_file_trouble;
+    return ExitFileTrouble;
   } catch (const std::exception& error) {  // a bug of ours, or no memory
     std::cerr << "crease: failed: " << error.what() << '\n';
     return static_cast<int>(RunStatus::SimulationFailed);

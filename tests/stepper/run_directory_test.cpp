@@ -162,6 +162,21 @@ TEST(Run, ForcedAndFailingAtOnceLosesNothing) {
       << "the earlier run goes on";
 }
 
+// The new run's checkpoint stands in the old one's place, and nothing else has happened yet.
+TEST(Run, ForcedAndKilledBeforeItClearedTheFolderResumesToTheSameBytes) {
+  const TestFolder folder;
+  const fs::path fresh = folder.path() / "fresh", used = folder.path() / "used";
+  LoadedScene other = hanging_scene();
+  other.scene.formats = {FrameFormat::Obj};
+  other.resolved_json = R"({"name": "other"})";
+  ASSERT_EQ(run_scene(hanging_scene(), {.directory = used}).status, RunStatus::Done);
+  ASSERT_EQ(run_scene(other, {.directory = fresh}, stop_after(1)).status, RunStatus::Interrupted);
+  fs::copy_file(fresh / "checkpoint.bin", used / "checkpoint.bin", fs::copy_options::overwrite_existing);
+  for (const fs::path& directory : {fresh, used})
+    ASSERT_EQ(run_scene(other, {.directory = directory, .resume = true}).status, RunStatus::Done);
+  EXPECT_EQ(differences(repeatable_bytes(fresh), repeatable_bytes(used)), Names());
+}
+
 TEST(Run, StoppedEarlyIsDoneButNotFinished) {
   const TestFolder folder;
   ASSERT_EQ(run_scene(hanging_scene(), {.directory = folder.path(), .until = 0.07}).status, RunStatus::Done);

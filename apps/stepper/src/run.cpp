@@ -122,11 +122,11 @@ Run::Run(const LoadedScene& loaded, const RunOptions& options)
   if (anew || !std::filesystem::exists(directory_.checkpoint()))
     write_whole(directory_.checkpoint(), encode_checkpoint(loaded_.resolved_json, 0, loaded_.cloths));
   sync_folder(directory_.root);
-  if (anew) remove_earlier_run(directory_);
   begin();
 }
 
-/// Goes on from the checkpoint; a new run has one of step 0. Whatever a killed run wrote after it is dropped.
+/// Goes on from the checkpoint; a new run has one of step 0. Whatever stands in the folder of a run before it, or of
+/// what a killed run wrote after it, is dropped.
 void Run::begin() {
   Checkpoint checkpoint = parse_file(directory_.checkpoint(), decode_checkpoint);
   step_ = checkpoint.step;
@@ -137,7 +137,10 @@ void Run::begin() {
     tally_.add(row);
   }
   std::filesystem::create_directories(directory_.root / "frames");
-  remove_frames(directory_, n_frames());
+  if (step_ == 0)
+    remove_earlier_run(directory_);
+  else
+    remove_frames(directory_, n_frames());
   write_whole(directory_.root / "scene.json", loaded_.resolved_json);
   write_whole(directory_.root / "obstacles.json", obstacles_json(scene_.obstacles, schedule_.frame_times));
   write_whole(directory_.steps(), table);
