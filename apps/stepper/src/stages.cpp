@@ -82,7 +82,7 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
       conform_options.look_ahead = look_ahead;
       conform_options.clearance = clearance_share_of_longest * options.size[1];
       RemeshResult conformed = conform(cloth, contacts, obstacles, conform_options);
-      RemeshResult adapted = adapt(conformed.cloth, options);
+      RemeshResult adapted = adapt(conformed.cloth, options, obstacles);
       return chain_passes(std::move(conformed), std::move(adapted));
     };
   if (scene.obstacles.empty() && spec.pins.empty()) return stages;

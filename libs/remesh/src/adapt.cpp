@@ -11,6 +11,7 @@
 #include "guard.hpp"
 #include "metric.hpp"
 #include "options.hpp"
+#include "room.hpp"
 #include "sizing.hpp"
 
 // L is the metric length of an edge: 1 is as long as it may be. Queues hold vertex pairs, not edges: vertices keep
@@ -27,7 +28,10 @@ constexpr double collapse_below = 0.85;
 constexpr double collapse_candidate = 0.6;
 // A flip needs the opposite angles to exceed 180 degrees by this (as a sine), so that four points on a circle rest.
 constexpr double flip_margin = 0.1;
-// A collapse may move the surface by this share of the shortest edge, and turn a normal by this [rad].
+// All flips and collapses of a pass together may move the surface by this share of the contact threshold, and of the
+// shortest edge: what lies there unseen would pop in a picture and drum in the contact. A collapse may turn a normal by
+// this [rad].
+constexpr double threshold_share = 0.15;
 constexpr double shift_share = 0.02;
 constexpr double normal_turn = 0.35;
 // Rounds of flips, splits and collapses; each after the first looks only where the one before did something. The sizes
@@ -55,12 +59,14 @@ class Adapter {
   Adapter(const Cloth& cloth, const AdaptOptions& options, std::span<const PosedObstacle> obstacles)
       : editor_(cloth, options.conserve),
         surroundings_(obstacles, options.threshold),
-        limits_{shift_share * options.size[0], normal_turn, surroundings_},
+        shift_allowed_(std::min(threshold_share * options.threshold, shift_share * options.size[0])),
+        moved_(static_cast<std::size_t>(cloth.mesh.face_slots()), 0.0),
         sizes_(vertex_sizes(cloth, options)) {}
 
   RemeshResult run() && {
     edges_ = mesh().edges();
     everywhere_ = true;
+    make_room_for_chains();
     for (int round = 0; round < max_rounds && !spent_; ++round) {
       touched_.clear();
       flip_around(edges_);
@@ -90,14 +96,15 @@ class Adapter {
   }
   double squared_length(int h) const { return squared_length(mesh().from(h), mesh().to(h)); }
 
+  void make_room_for_chains();
   void flip_around(std::vector<int> stack);
-  bool should_flip(int h);
+  std::optional<double> should_flip(int h);
   void split_long_edges();
   void split(int h, Queue& queue);
   void collapse_short_edges();
   bool leaves_short_edges(int p, int q) const;
-  bool should_collapse(int p, int q);
-  void collapse(int p, int q, Queue& queue);
+  std::optional<double> should_collapse(int p, int q);
+  void collapse(int p, int q, double moved, Queue& queue);
 
   void touch(const std::vector<int>& faces);
   void look_again();
@@ -105,11 +112,15 @@ class Adapter {
   std::vector<int> halfedges_around(int vertex) const;
   void push_splits(Queue& queue, const std::vector<int>& halfedges) const;
   void push_collapses(Queue& queue, const std::vector<int>& halfedges) const;
-  bool allowed(const std::optional<RefusalReason>& trouble);
+  GuardLimits limits(double moved) const { return {shift_allowed_ - moved, normal_turn, surroundings_}; }
+  std::optional<double> allowed(const Verdict& verdict, double moved);
+  double moved_around(int vertex) const;
+  void set_moved(std::span<const int> faces, double moved);
 
   Editor editor_;
   Surroundings surroundings_;
-  GuardLimits limits_;
+  double shift_allowed_;
+  std::vector<double> moved_;  // by face: what this pass has moved the surface there at most [m]
   std::vector<Tensor> sizes_;
   int budget_ = 0;  // made when it is first needed
   bool spent_ = false, everywhere_ = true;
@@ -140,9 +151,25 @@ bool Adapter::may_go_on(int vertex) {
   return false;
 }
 
-bool Adapter::allowed(const std::optional<RefusalReason>& trouble) {
-  if (trouble) ++editor_.report().kept_back[static_cast<std::size_t>(*trouble)];
-  return !trouble;
+// What the pass will have moved the surface where the operation is done, if it may be.
+std::optional<double> Adapter::allowed(const Verdict& verdict, double moved) {
+  if (!verdict.trouble) return moved + verdict.shift;
+  ++editor_.report().kept_back[static_cast<std::size_t>(*verdict.trouble)];
+  return std::nullopt;
+}
+
+double Adapter::moved_around(int vertex) const {
+  double moved = 0;
+  mesh().all_outgoing(vertex, [&](int h) {
+    moved = std::max(moved, moved_[Mesh::face_of(h)]);
+    return true;
+  });
+  return moved;
+}
+
+void Adapter::set_moved(std::span<const int> faces, double moved) {
+  moved_.resize(static_cast<std::size_t>(mesh().face_slots()), 0.0);
+  for (const int f : faces) moved_[f] = moved;
 }
 
 void Adapter::touch(const std::vector<int>& faces) {
@@ -203,15 +230,36 @@ void Adapter::push_collapses(Queue& queue, const std::vector<int>& halfedges) co
   }
 }
 
-bool Adapter::should_flip(int h) {
-  if (mesh().is_border(h) || mesh().tag(h) != 0) return false;
+// First of all: it changes no edge, and the rounds see what it leaves. What a slide moves fades from its vertex to the
+// neighbours, so that those of neighbours do not add up.
+void Adapter::make_room_for_chains() {
+  for (const int v : vertices_beside_chains(cloth())) {
+    const std::optional<Slide> slide = slide_from_chain(cloth(), v, sizes_[v], limits(0));
+    if (!slide) continue;
+    editor_.slide(v, slide->X, slide->x, slide->v);
+    mesh().all_outgoing(v, [&](int h) {
+      double& moved = moved_[Mesh::face_of(h)];
+      moved = std::max(moved, slide->shift);
+      return true;
+    });
+  }
+}
+
+std::optional<double> Adapter::should_flip(int h) {
+  if (mesh().is_border(h) || mesh().tag(h) != 0) return std::nullopt;
   const int a = mesh().from(h), b = mesh().opposite(h), c = mesh().to(h), d = mesh().opposite(mesh().twin(h));
   Mat2 M = (sizes_[a] + sizes_[b] + sizes_[c] + sizes_[d]).matrix();
-  // Next to a chain roundness in material space itself counts: it keeps the chain's way ahead open.
-  for (const int v : {a, b, c, d})
-    if (cloth().is_eol(v)) M.setIdentity();
-  return opposite_angle_sine(mesh().X[a], mesh().X[b], mesh().X[c], mesh().X[d], M) <= -flip_margin &&
-         allowed(why_no_flip(cloth(), h, limits_));
+  // Next to a chain roundness in material space itself counts: it keeps the chain's way ahead open. But an edge that
+  // would only be split again is not made.
+  const std::array quad{a, b, c, d};
+  if (std::any_of(quad.begin(), quad.end(), [&](int v) { return cloth().is_eol(v); })) {
+    if (squared_length(b, d) > std::max(split_above * split_above, squared_length(a, c))) return std::nullopt;
+    M.setIdentity();
+  }
+  if (!(opposite_angle_sine(mesh().X[a], mesh().X[b], mesh().X[c], mesh().X[d], M) <= -flip_margin))
+    return std::nullopt;
+  const double moved = std::max(moved_[Mesh::face_of(h)], moved_[Mesh::face_of(mesh().twin(h))]);
+  return allowed(judge_flip(cloth(), h, limits(moved)), moved);
 }
 
 // A half-edge stays the name of some edge whatever is flipped, so the stack needs no upkeep.
@@ -220,9 +268,12 @@ void Adapter::flip_around(std::vector<int> stack) {
   while (!stack.empty()) {
     const int h = stack.back();
     stack.pop_back();
-    if (!mesh().face_live(Mesh::face_of(h)) || !should_flip(h)) continue;
+    if (!mesh().face_live(Mesh::face_of(h))) continue;
+    const std::optional<double> moved = should_flip(h);
+    if (!moved) continue;
     if (!may_go_on(mesh().from(h))) return;
     const std::array<int, 2> faces = editor_.flip(h);
+    set_moved(faces, *moved);
     touch({faces[0], faces[1]});
     for (const int f : faces)
       for (int side = 3 * f; side < 3 * f + 3; ++side) stack.push_back(side);
@@ -249,7 +300,10 @@ void Adapter::split(int h, Queue& queue) {
   const auto log = [](double l) { return std::log(l); };
   const auto exp = [](double l) { return std::exp(l); };
   const Tensor logs = map_eigenvalues(sizes_[mesh().from(h)], log) + map_eigenvalues(sizes_[mesh().to(h)], log);
+  const int twin = mesh().twin(h);
+  const double moved = std::max(moved_[Mesh::face_of(h)], twin == Mesh::none ? 0.0 : moved_[Mesh::face_of(twin)]);
   const Mesh::Split done = editor_.split(h, 0.5);
+  set_moved(done.faces, moved);
   sizes_.push_back(map_eigenvalues(0.5 * logs, exp));
   touch(done.faces);
   std::vector<int> sides;
@@ -268,8 +322,10 @@ bool Adapter::leaves_short_edges(int p, int q) const {
   });
 }
 
-bool Adapter::should_collapse(int p, int q) {
-  return leaves_short_edges(p, q) && allowed(why_no_collapse(cloth(), p, q, limits_));
+std::optional<double> Adapter::should_collapse(int p, int q) {
+  if (!leaves_short_edges(p, q)) return std::nullopt;
+  const double moved = moved_around(p);
+  return allowed(judge_collapse(cloth(), p, q, limits(moved)), moved);
 }
 
 void Adapter::collapse_short_edges() {
@@ -280,16 +336,18 @@ void Adapter::collapse_short_edges() {
     queue.pop();
     for (const auto& [from, to] : {std::pair{top.a, top.b}, std::pair{top.b, top.a}}) {
       if (mesh().find_edge(from, to) == Mesh::none) break;
-      if (!should_collapse(from, to)) continue;
+      const std::optional<double> moved = should_collapse(from, to);
+      if (!moved) continue;
       if (!may_go_on(from)) return;
-      collapse(from, to, queue);
+      collapse(from, to, *moved, queue);
       break;
     }
   }
 }
 
-void Adapter::collapse(int p, int q, Queue& queue) {
+void Adapter::collapse(int p, int q, double moved, Queue& queue) {
   const Mesh::Collapse done = editor_.collapse(p, q);
+  set_moved(done.faces, moved);
   touch(done.faces);
   std::vector<int> sides;
   for (const int f : done.faces) sides.insert(sides.end(), {3 * f, 3 * f + 1, 3 * f + 2});

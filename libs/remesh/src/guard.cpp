@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "crease/geometry/triangle.hpp"
+#include "shift.hpp"
 
 namespace crease {
 
@@ -37,7 +38,7 @@ int line_of(const Cloth& cloth, int vertex) {
 // The same for a face with one corner at a target.
 bool in_one_line(const Cloth& cloth, const Target& target, int s, int t) {
   const int line = std::max(line_of(cloth, s), line_of(cloth, t));
-  if (line == 0 || !on_line(cloth, s, line) || !on_line(cloth, t, line)) return false;
+  if (line == 0 || target.a == Mesh::none || !on_line(cloth, s, line) || !on_line(cloth, t, line)) return false;
   return on_line(cloth, target.a, line) && (target.b == Mesh::none || on_line(cloth, target.b, line));
 }
 
@@ -54,6 +55,22 @@ void offer(NearestFace& nearest, const std::array<Vec2, 3>& X, const std::array<
   b = b.cwiseMax(0.0);
   b /= b.sum();
   nearest.shift = (b[0] * x[0] + b[1] * x[1] + b[2] * x[2] - p).norm();
+}
+
+// Whether there is no feature between a vertex's faces and those that are left when it has gone to its target.
+bool leaves_features(const Cloth& cloth, int vertex, const Target& target, double shift,
+                     const Surroundings& surroundings) {
+  if (surroundings.empty()) return true;
+  const Mesh& mesh = cloth.mesh;
+  std::vector<Swept> swept;
+  std::vector<FeatureId> held{cloth.feature[vertex]};
+  for (const int h : mesh.outgoing(vertex)) {
+    const int s = mesh.to(h), t = mesh.opposite(h);
+    held.insert(held.end(), {cloth.feature[s], cloth.feature[t]});
+    if (s != target.a && t != target.a)
+      swept.push_back({{mesh.x[vertex], target.x, mesh.x[s], mesh.x[t]}, {true, false, false, false}});
+  }
+  return surroundings.allow(swept, shift, held);
 }
 
 }  // namespace
@@ -122,37 +139,53 @@ FlipCheck flip_check(const Cloth& cloth, int h) {
   return check;
 }
 
-std::optional<RefusalReason> why_no_flip(const Cloth& cloth, int h, const GuardLimits& limits) {
+Verdict judge_flip(const Cloth& cloth, int h, const GuardLimits& limits) {
   const Mesh& mesh = cloth.mesh;
+  const double shift = flip_shift(mesh, h);
+  if (shift > limits.shift) return {RefusalReason::WouldMoveSurface};
   const FlipCheck check = flip_check(cloth, h);
-  if (!check.sound) return RefusalReason::WouldInvert;
-  if (check.angle < std::min(least_angle, check.angle_before)) return RefusalReason::TooThin;
-  if (check.dihedral > flip_dihedral) return RefusalReason::WouldMoveSurface;
-  const std::array<int, 4> quad{mesh.from(h), mesh.opposite(h), mesh.to(h), mesh.opposite(mesh.twin(h))};
-  const std::array<std::array<Vec3, 4>, 1> swept{
-      {{mesh.x[quad[0]], mesh.x[quad[1]], mesh.x[quad[2]], mesh.x[quad[3]]}}};
-  return limits.surroundings.allow(swept) ? std::nullopt : std::optional(RefusalReason::NearObstacle);
+  if (!check.sound) return {RefusalReason::WouldInvert};
+  if (check.angle < std::min(least_angle, check.angle_before)) return {RefusalReason::TooThin};
+  if (check.dihedral > flip_dihedral) return {RefusalReason::WouldMoveSurface};
+  if (!limits.surroundings.empty()) {
+    const int a = mesh.from(h), b = mesh.opposite(h), c = mesh.to(h), d = mesh.opposite(mesh.twin(h));
+    const std::array swept{Swept{{mesh.x[a], mesh.x[b], mesh.x[c], mesh.x[d]}, {true, false, true, false}}};
+    const std::array held{cloth.feature[a], cloth.feature[b], cloth.feature[c], cloth.feature[d]};
+    if (!limits.surroundings.allow(swept, shift, held)) return {RefusalReason::NearObstacle};
+  }
+  return {std::nullopt, shift};
 }
 
 // A chain is thinned along itself only: its ends, its corners and its course stay.
-std::optional<RefusalReason> why_no_collapse(const Cloth& cloth, int vertex, int into, const GuardLimits& limits) {
+Verdict judge_collapse(const Cloth& cloth, int vertex, int into, const GuardLimits& limits) {
   const Mesh& mesh = cloth.mesh;
-  if (cloth.pins[vertex] != 0) return RefusalReason::Pinned;
+  if (cloth.pins[vertex] != 0) return {RefusalReason::Pinned};
   const bool along_chain = mesh.tag(mesh.find_edge(vertex, into)) != 0;
   if (cloth.is_eol(vertex) &&
       (!along_chain || cloth.feature[vertex].kind != FeatureKind::Edge || mesh.is_border_vertex(vertex)))
-    return RefusalReason::WouldLoseChain;
-  if (mesh.is_material_corner(vertex)) return RefusalReason::AtCorner;
-  if (!mesh.can_collapse_vertex(vertex, into)) return RefusalReason::NotManifold;
-  const Ring ring = ring_after(cloth, vertex, at_vertex(mesh, into));
-  if (!ring.sound) return RefusalReason::WouldInvert;
-  if (ring.angle < std::min(least_angle, ring.angle_before)) return RefusalReason::TooThin;
-  if (ring.turn > limits.turn || ring.shift > limits.shift) return RefusalReason::WouldMoveSurface;
-  std::vector<std::array<Vec3, 4>> swept;
-  for (const int h : mesh.outgoing(vertex))
-    if (mesh.to(h) != into && mesh.opposite(h) != into)
-      swept.push_back({mesh.x[vertex], mesh.x[into], mesh.x[mesh.to(h)], mesh.x[mesh.opposite(h)]});
-  return limits.surroundings.allow(swept) ? std::nullopt : std::optional(RefusalReason::NearObstacle);
+    return {RefusalReason::WouldLoseChain};
+  if (mesh.is_material_corner(vertex)) return {RefusalReason::AtCorner};
+  if (!mesh.can_collapse_vertex(vertex, into)) return {RefusalReason::NotManifold};
+  const Target target = at_vertex(mesh, into);
+  const Ring ring = ring_after(cloth, vertex, target);
+  if (!ring.sound) return {RefusalReason::WouldInvert};
+  if (ring.angle < std::min(least_angle, ring.angle_before)) return {RefusalReason::TooThin};
+  if (ring.turn > limits.turn || ring.shift > limits.shift) return {RefusalReason::WouldMoveSurface};
+  const double shift = shift_after(cloth, vertex, target, ring);
+  if (shift > limits.shift) return {RefusalReason::WouldMoveSurface};
+  if (!leaves_features(cloth, vertex, target, shift, limits.surroundings)) return {RefusalReason::NearObstacle};
+  return {std::nullopt, shift};
+}
+
+Verdict judge_slide(const Cloth& cloth, int vertex, const Target& target, double least_altitude,
+                    const GuardLimits& limits) {
+  const Ring ring = ring_after(cloth, vertex, target);
+  if (!ring.sound) return {RefusalReason::WouldInvert};
+  if (ring.altitude < std::min(least_altitude, ring.altitude_before)) return {RefusalReason::TooThin};
+  const double shift = shift_after(cloth, vertex, target, ring);
+  if (ring.turn > limits.turn || shift > limits.shift) return {RefusalReason::WouldMoveSurface, shift};
+  if (!leaves_features(cloth, vertex, target, shift, limits.surroundings)) return {RefusalReason::NearObstacle};
+  return {std::nullopt, shift};
 }
 
 }  // namespace crease

@@ -17,11 +17,11 @@ inline constexpr double least_angle = 0.14;  // 8 degrees
 inline constexpr double flip_dihedral = 0.35;  // 20 degrees
 
 /// Where a vertex that is removed goes: into the vertex `a`, or, with `b` set, into a vertex that will be made on edge
-/// ab.
+/// ab. A vertex that stays and only slides along the surface has neither.
 struct Target {
   Vec2 X;
   Vec3 x;
-  int a;
+  int a = Mesh::none;
   int b = Mesh::none;
 };
 Target at_vertex(const Mesh& mesh, int vertex);
@@ -47,16 +47,24 @@ struct FlipCheck {
 };
 FlipCheck flip_check(const Cloth& cloth, int h);
 
-/// How much adapt() may change the surface.
+/// How much an operation of adapt() may change the surface.
 struct GuardLimits {
-  double shift;  ///< by which a collapse may move it [m]
+  double shift;  ///< by which it may move it [m]
   double turn;   ///< by which a collapse may turn a normal [rad]
   const Surroundings& surroundings;
 };
-/// Why adapt() may not do an operation, or nothing; the one place where that is decided. Faces may not get thinner than
-/// the worse of least_angle and what they are; the surface moves little, and next to obstacles less.
-std::optional<RefusalReason> why_no_flip(const Cloth& cloth, int h, const GuardLimits& limits);
-std::optional<RefusalReason> why_no_collapse(const Cloth& cloth, int vertex, int into, const GuardLimits& limits);
+/// Whether adapt() may do an operation.
+struct Verdict {
+  std::optional<RefusalReason> trouble;  ///< why not, if not
+  double shift = 0;                      ///< by how much it moves the surface, if that is known [m]
+};
+/// The one place where that is decided. Faces may not get thinner than the worse of least_angle and what they are; the
+/// surface moves little, and over no feature.
+Verdict judge_flip(const Cloth& cloth, int h, const GuardLimits& limits);
+Verdict judge_collapse(const Cloth& cloth, int vertex, int into, const GuardLimits& limits);
+/// @param least_altitude  that its faces keep, or had less before [m]
+Verdict judge_slide(const Cloth& cloth, int vertex, const Target& target, double least_altitude,
+                    const GuardLimits& limits);
 
 /// Whether the vertex is on the obstacle edge that `tag` names: EOL on it, or a corner where its chain ends.
 bool on_line(const Cloth& cloth, int vertex, int tag);

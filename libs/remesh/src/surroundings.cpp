@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -11,22 +10,21 @@ namespace crease {
 
 namespace {
 
-// What is inside a tetrahedron by less than this share of the threshold is on its surface: cloth that lies on an
-// obstacle touches features without passing them.
+// What is nearer to the surface than this share of the threshold is on it. Much more than rounding, so that a cloth
+// that lies flat on an obstacle is judged alike wherever the scene stands.
 constexpr double touch_share = 1e-3;
-constexpr double largest_shift_share = 0.5;
 
 struct Ball {
   Vec3 centre = Vec3::Zero();
   double radius = 0;
 };
 
-Ball ball_around(std::span<const std::array<Vec3, 4>> swept) {
+Ball ball_around(std::span<const Swept> swept) {
   Ball ball;
-  for (const auto& corners : swept)
-    for (const Vec3& x : corners) ball.centre += x / (4 * static_cast<double>(swept.size()));
-  for (const auto& corners : swept)
-    for (const Vec3& x : corners) ball.radius = std::max(ball.radius, (x - ball.centre).norm());
+  for (const Swept& piece : swept)
+    for (const Vec3& x : piece.corners) ball.centre += x / (4 * static_cast<double>(swept.size()));
+  for (const Swept& piece : swept)
+    for (const Vec3& x : piece.corners) ball.radius = std::max(ball.radius, (x - ball.centre).norm());
   return ball;
 }
 
@@ -36,38 +34,16 @@ double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return (a + t * (b - a) - p).norm();
 }
 
-// The normal of each face, towards the corner opposite to it, with the altitude of that corner.
-struct Side {
-  Vec3 on, inward;
-  double altitude;
-};
-std::array<Side, 4> sides(const std::array<Vec3, 4>& corners) {
-  std::array<Side, 4> result;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const Vec3& on = corners[(k + 1) % 4];
-    Vec3 inward = (corners[(k + 2) % 4] - on).cross(corners[(k + 3) % 4] - on).normalized();
-    const double altitude = inward.dot(corners[k] - on);
-    if (altitude < 0) inward = -inward;
-    result[k] = {on, inward, std::abs(altitude)};
-  }
-  return result;
-}
-
-// No two points of the tetrahedron that face each other across it are farther apart.
-double thickness(const std::array<Vec3, 4>& corners) {
-  const auto s = sides(corners);
-  return std::min({s[0].altitude, s[1].altitude, s[2].altitude, s[3].altitude});
-}
-
-// Whether a segment has points in a tetrahedron by more than `depth`, clipped against its four faces. In a fan the
-// faces at the first two corners, where neighbours meet, are not the surface's: there nothing may slip through.
-bool passes_through(const Vec3& a, const Vec3& b, const std::array<Vec3, 4>& corners, bool in_fan, double surface) {
+// Whether a segment has points in a tetrahedron, clipped against its four faces. Beyond the new surface they must be by
+// more than `touch`; of the old one and of the next piece they may be short by as much.
+bool passes_through(const Vec3& a, const Vec3& b, const Swept& piece, double touch) {
   double from = 0, to = 1;
-  const auto s = sides(corners);
   for (std::size_t k = 0; k < 4; ++k) {
-    const Side& side = s[k];
-    const double depth = in_fan && k >= 2 ? -surface : surface;
-    const double at_a = side.inward.dot(a - side.on) - depth, at_b = side.inward.dot(b - side.on) - depth;
+    const Vec3& on = piece.corners[(k + 1) % 4];
+    Vec3 inward = (piece.corners[(k + 2) % 4] - on).cross(piece.corners[(k + 3) % 4] - on).normalized();
+    if (inward.dot(piece.corners[k] - on) < 0) inward = -inward;
+    const double depth = piece.made[k] ? touch : -touch;
+    const double at_a = inward.dot(a - on) - depth, at_b = inward.dot(b - on) - depth;
     if (!(at_a > 0 || at_b > 0)) return false;
     if (at_a < 0) from = std::max(from, at_a / (at_a - at_b));
     if (at_b < 0) to = std::min(to, at_a / (at_a - at_b));
@@ -78,37 +54,29 @@ bool passes_through(const Vec3& a, const Vec3& b, const std::array<Vec3, 4>& cor
 }  // namespace
 
 Surroundings::Surroundings(std::span<const PosedObstacle> obstacles, double threshold)
-    : obstacles_(obstacles), threshold_(threshold) {
-  for (const PosedObstacle& o : obstacles) {
-    for (const SharpEdge& e : o.shape->edges) features_.push_back({o.pose.to_world(e.a), o.pose.to_world(e.b)});
-    for (const SharpCorner& c : o.shape->corners)
-      features_.push_back({o.pose.to_world(c.position), o.pose.to_world(c.position)});
+    : touch_(touch_share * threshold) {
+  for (std::size_t k = 0; k < obstacles.size(); ++k) {
+    const auto& [shape, pose] = obstacles[k];
+    const int o = static_cast<int>(k);
+    for (std::size_t i = 0; i < shape->edges.size(); ++i)
+      features_.push_back({{o, FeatureKind::Edge, static_cast<int>(i)},
+                           pose.to_world(shape->edges[i].a),
+                           pose.to_world(shape->edges[i].b)});
+    for (std::size_t i = 0; i < shape->corners.size(); ++i) {
+      const Vec3 x = pose.to_world(shape->corners[i].position);
+      features_.push_back({{o, FeatureKind::Corner, static_cast<int>(i)}, x, x});
+    }
   }
 }
 
-bool Surroundings::any_near(std::span<const std::array<Vec3, 4>> swept) const {
+bool Surroundings::allow(std::span<const Swept> swept, double shift, std::span<const FeatureId> held) const {
+  if (features_.empty() || swept.empty() || shift <= touch_) return true;
   const Ball ball = ball_around(swept);
-  const double reach = ball.radius + threshold_;
-  const bool feature = std::any_of(features_.begin(), features_.end(), [&](const Segment& s) {
-    return distance_to_segment(ball.centre, s.a, s.b) < reach;
-  });
-  return feature || std::any_of(obstacles_.begin(), obstacles_.end(), [&](const PosedObstacle& o) {
-           const bool has_distance =
-               o.shape->kind == ObstacleShape::Kind::Box;  // of the others only sharp features are known
-           return has_distance && *signed_distance(*o.shape, o.pose, ball.centre) < reach;
-         });
-}
-
-bool Surroundings::allow(std::span<const std::array<Vec3, 4>> swept) const {
-  if (obstacles_.empty() || swept.empty()) return true;
-  const bool moves = std::any_of(swept.begin(), swept.end(), [&](const auto& corners) {
-    return thickness(corners) > largest_shift_share * threshold_;
-  });
-  if (moves && any_near(swept)) return false;
   return std::none_of(features_.begin(), features_.end(), [&](const Segment& s) {
-    return std::any_of(swept.begin(), swept.end(), [&](const auto& corners) {
-      return passes_through(s.a, s.b, corners, swept.size() > 1, touch_share * threshold_);
-    });
+    return distance_to_segment(ball.centre, s.a, s.b) < ball.radius + touch_ &&
+           std::find(held.begin(), held.end(), s.id) == held.end() &&
+           std::any_of(swept.begin(), swept.end(),
+                       [&](const Swept& piece) { return passes_through(s.a, s.b, piece, touch_); });
   });
 }
 
