@@ -44,7 +44,7 @@ void make_mesh_paths_absolute(Json& filled, const std::filesystem::path& scene_f
 
 }  // namespace
 
-SceneError::SceneError(std::filesystem::path file, std::vector<SceneProblem> problems)
+SceneError::SceneError(const std::filesystem::path& file, std::vector<SceneProblem> problems)
     : std::runtime_error(join(file, problems)), problems_(std::move(problems)) {}
 
 LoadedScene load_scene(const std::filesystem::path& file,

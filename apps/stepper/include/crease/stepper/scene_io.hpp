@@ -20,7 +20,7 @@ struct SceneProblem {
 /// All problems of a scene at once.
 class SceneError : public std::runtime_error {
  public:
-  SceneError(std::filesystem::path file, std::vector<SceneProblem> problems);
+  SceneError(const std::filesystem::path& file, std::vector<SceneProblem> problems);
   const std::vector<SceneProblem>& problems() const { return problems_; }
 
  private:
