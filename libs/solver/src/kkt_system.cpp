@@ -67,7 +67,7 @@ bool KktSystem::factorize(const WorkingSet& set) {
       masked_.valuePtr()[at] = (masked ? 0.0 : H.valuePtr()[at]) + diagonal;
     }
   base_ = set.held;
-  slot_of_.assign(static_cast<size_t>(qp_->size() + qp_->n_rows()), -1);
+  slot_of_.assign(static_cast<size_t>(qp_->size()) + static_cast<size_t>(qp_->n_rows()), -1);
   n_slots_ = 0;
   factorized_ = cholesky_.factorize(masked_) && cholesky_.rcond() > singular_rcond;
   return factorized_;
