@@ -91,12 +91,14 @@ std::vector<Mat2> sizing_field(const Cloth& cloth, const AdaptOptions& options);
 /// Splits, flips and collapses until every metric edge length is at most 1 and no collapse is due. Chains (tagged
 /// edges), pinned vertices, EOL vertices and material corners stay, but for one thing: a chain denser than its sizes
 /// ask for loses inner vertices, by collapses along itself. Ends by construction: a budget of operations proportional
-/// to the faces wanted; what was refused is reported.
+/// to the faces wanted; what was refused is reported. Free vertices slide ahead of a chain that comes near.
 ///
-/// A split leaves the surface as it is and its velocities too. Flips and collapses keep linear momentum and never raise
-/// the kinetic energy. They keep angular momentum about the centre of mass wherever some velocity field on the new
-/// surface has it at no more energy: a sheet that turns rigidly about its centre and loses a bulge has none.
-/// @param obstacles  what flips and collapses must not touch; without them only the surface's own shape is guarded
+/// A pass moves no point of the surface by more than .15 of `threshold` (neighbours that slide together: a little more)
+/// or .02 of the shortest edge. A split leaves the surface as it is and its velocities too. Flips and collapses keep
+/// linear momentum and never raise the kinetic energy. They keep angular momentum about the centre of mass wherever
+/// some velocity field on the new surface has it at no more energy: a sheet that turns rigidly about its centre and
+/// loses a bulge has none.
+/// @param obstacles  whose sharp features must not change sides; without them only the surface's own shape is guarded
 RemeshResult adapt(const Cloth& cloth, const AdaptOptions& options, std::span<const PosedObstacle> obstacles = {});
 
 /// Makes every sharp feature that the cloth touches a chain of mesh edges through EOL vertices: inserts where
