@@ -106,7 +106,7 @@ TEST(SignedDistance, IsAbsentWithoutASurface) {
   EXPECT_FALSE(signed_distance(shape, {}, Vec3::Zero()));
   shape.kind = ObstacleShape::Kind::Wire;
   EXPECT_FALSE(signed_distance(shape, {}, Vec3::Zero()));
-  shape.kind = ObstacleShape::Kind::Mesh;
+  shape.kind = ObstacleShape::Kind::Mesh;  // without its surface: not made by make_mesh
   EXPECT_THROW(signed_distance(shape, {}, Vec3::Zero()), std::invalid_argument);
 }
 

@@ -35,11 +35,17 @@ std::string join(const std::filesystem::path& file, const std::vector<SceneProbl
 
 void make_mesh_paths_absolute(Json& filled, const std::filesystem::path& scene_file) {
   const std::filesystem::path folder = std::filesystem::absolute(scene_file).parent_path();
-  if (!filled.is_object() || !filled["cloths"].is_array()) return;
-  for (Json& cloth : filled["cloths"])
-    if (cloth.is_object() && cloth["shape"].is_object() && cloth["shape"].contains("mesh") &&
-        cloth["shape"]["mesh"].is_string())
-      cloth["shape"]["mesh"] = (folder / cloth["shape"]["mesh"].get<std::string>()).lexically_normal().string();
+  const auto make_absolute = [&](Json& object, const char* key) {
+    if (object.is_object() && object.contains(key) && object[key].is_string())
+      object[key] = (folder / object[key].get<std::string>()).lexically_normal().string();
+  };
+  if (!filled.is_object()) return;
+  if (filled["cloths"].is_array())
+    for (Json& cloth : filled["cloths"])
+      if (cloth.is_object()) make_absolute(cloth["shape"], "mesh");
+  if (filled["obstacles"].is_array())
+    for (Json& obstacle : filled["obstacles"])
+      if (obstacle.is_object() && obstacle.contains("mesh")) make_absolute(obstacle["mesh"], "file");
 }
 
 }  // namespace
@@ -65,6 +71,7 @@ LoadedScene load_scene(const std::filesystem::path& file,
   LoadedScene loaded;
   loaded.file = file;
   loaded.scene = read_scene(filled);
+  read_obstacle_meshes(filled, loaded.scene, problems);
   check_scene(loaded.scene, filled, problems);
   loaded.cloths = make_cloths(loaded.scene, problems);
   if (!problems.empty()) throw SceneError(file, problems.take());

@@ -32,6 +32,9 @@ void fill_dependent_defaults(Json& document);
 /// Scene from a document that check_and_fill() returned; what is null there keeps the default of scene.hpp.
 Scene read_scene(const Json& filled);
 
+/// Reads the files of mesh obstacles and makes their shapes; every problem of a mesh is one of its file.
+void read_obstacle_meshes(const Json& filled, Scene& scene, ProblemList& problems);
+
 /// Whether two points can be joined by a segment of a wire: finite, unlike each other.
 bool is_segment(const Vec3& a, const Vec3& b);
 

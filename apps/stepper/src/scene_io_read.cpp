@@ -158,7 +158,8 @@ bool makes_a_wire(const std::vector<Vec3>& points) {
                                }) == points.end();
 }
 
-// What cannot be made is a unit box: check_scene() tells what is wrong with it.
+// What cannot be made is a unit box: check_scene() tells what is wrong with it. So is a mesh until its file is read:
+// see read_obstacle_meshes().
 ObstacleShape read_shape(const Json& json) {
   Vec3 size = Vec3::Ones(), normal = Vec3::UnitZ();
   if (given(json, "point")) {
@@ -208,6 +209,10 @@ Scene read_scene(const Json& filled) {
     scene.cloths.push_back(cloth.is_null() ? ClothSpec{} : read_cloth(cloth));
   for (const Json& obstacle : list(filled, "obstacles"))
     scene.obstacles.push_back(read_obstacle(obstacle.is_null() ? Json::object() : obstacle));
+  read_enum(child(filled, "contact"), "method", scene.contact,
+            {{"eol", ContactMethod::Eol},
+             {"lagrangian_averaged", ContactMethod::LagrangianAveraged},
+             {"lagrangian_cone", ContactMethod::LagrangianCone}});
   read(child(filled, "contact"), "threshold", scene.threshold);
   read(child(filled, "dynamics"), "velocity_terms", scene.velocity_terms);
   read_enum(child(filled, "solver"), "qp", scene.qp, {{"active_set", QpMethod::ActiveSet}, {"ipopt", QpMethod::Ipopt}});

@@ -29,8 +29,7 @@ constexpr char schema_text[] = R"json({
       "default": {},
       "additionalProperties": false,
       "properties": {
-        "method": {"enum": ["eol", "lagrangian_averaged", "lagrangian_cone"], "default": "eol",
-                   "x-available": ["eol"]},
+        "method": {"enum": ["eol", "lagrangian_averaged", "lagrangian_cone"], "default": "eol"},
         "threshold": {"type": "number", "exclusiveMinimum": 0, "default": 0.001,
                       "description": "distance at which a contact begins [m]"},
         "friction": {"type": "number", "minimum": 0, "default": 0, "x-available": [0],
@@ -221,7 +220,6 @@ constexpr char schema_text[] = R"json({
         },
         "mesh": {
           "type": "object",
-          "x-available": [],
           "additionalProperties": false,
           "required": ["file"],
           "properties": {

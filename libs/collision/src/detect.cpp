@@ -117,9 +117,8 @@ class ObstacleSearch {
       if (contact) contacts.push_back(*contact);
     };
     const std::vector<int> vertices = vertices_of(mesh_, faces);
-    if (!obstacle_.faces.empty()) {
-      for (const int vertex : vertices) append(narrow_.vertex_face(vertex));
-    }
+    for (const int vertex : vertices)
+      for (const Contact& contact : narrow_.vertex_face(vertex)) contacts.push_back(contact);
     const std::vector<int> deep = deep_faces(mesh_, obstacle_, faces, vertices, options_.threshold);
     for (int e = 0; e < static_cast<int>(obstacle_.edges.size()); ++e) {
       const PlacedEdge& edge = obstacle_.edges[static_cast<std::size_t>(e)];

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <limits>
 #include <utility>
 
 // Its fit() must be known before the tree's templates that call it.
@@ -12,6 +13,7 @@
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/geometry/shape/box.h>
 #include <fcl/narrowphase/detail/gjk_solver_libccd.h>
+#include <fcl/narrowphase/detail/primitive_shape_algorithm/triangle_distance.h>
 
 #include "crease/base/require.hpp"
 #include "crease/collision/separation.hpp"
@@ -127,9 +129,9 @@ std::vector<int> FaceTree::overlapping(const Eigen::AlignedBox3d& bounds) const 
   return found;
 }
 
-std::optional<double> triangle_distance(const std::array<Vec3, 3>& triangle, const PosedObstacle& obstacle) {
-  require(obstacle.shape != nullptr, "triangle_distance: expected an obstacle with a shape");
-  if (obstacle.shape->kind != ObstacleShape::Kind::Box) return std::nullopt;
+namespace {
+
+std::optional<double> box_distance(const std::array<Vec3, 3>& triangle, const PosedObstacle& obstacle) {
   const fcl::Boxd box(2 * obstacle.shape->half_size);
   fcl::Transform3d pose = fcl::Transform3d::Identity();
   pose.linear() = obstacle.pose.rotation;
@@ -145,6 +147,29 @@ std::optional<double> triangle_distance(const std::array<Vec3, 3>& triangle, con
   } catch (const std::exception&) {
     return std::nullopt;
   }
+}
+
+// The triangle against every one of the mesh; one that is wholly inside meets none of them.
+double mesh_distance(const std::array<Vec3, 3>& triangle, const PosedObstacle& obstacle) {
+  if (*signed_distance(*obstacle.shape, obstacle.pose, triangle[0]) <= 0) return 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& t : obstacle.shape->triangles) {
+    std::array<Vec3, 3> other;
+    for (std::size_t k = 0; k < 3; ++k) other[k] = obstacle.pose.to_world(obstacle.shape->vertices[t[k]]);
+    Vec3 p, q;
+    nearest = std::min(nearest, fcl::detail::TriangleDistanced::triDistance(triangle[0], triangle[1], triangle[2],
+                                                                            other[0], other[1], other[2], p, q));
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::optional<double> triangle_distance(const std::array<Vec3, 3>& triangle, const PosedObstacle& obstacle) {
+  require(obstacle.shape != nullptr, "triangle_distance: expected an obstacle with a shape");
+  if (obstacle.shape->kind == ObstacleShape::Kind::Box) return box_distance(triangle, obstacle);
+  if (obstacle.shape->kind == ObstacleShape::Kind::Mesh) return mesh_distance(triangle, obstacle);
+  return std::nullopt;
 }
 
 }  // namespace crease

@@ -107,23 +107,20 @@ Vec3 NarrowPhase::rim_normal(int vertex, std::span<const Vec3> normals, const Ve
   return nearest_in_cone(normals, (side < 0 ? -1.0 : 1.0) / length * sum);
 }
 
-// A vertex that rides on a feature of a convex shape is held out of it by that feature's own normals.
-std::optional<Contact> NarrowPhase::vertex_face(int vertex) const {
-  const auto& own = cloth_.feature[static_cast<std::size_t>(vertex)];
-  if (own.kind != FeatureKind::None && own.obstacle == obstacle_.index) return std::nullopt;
+std::vector<Contact> NarrowPhase::vertex_face(int vertex) const {
+  const auto& feature = cloth_.feature[static_cast<std::size_t>(vertex)];
+  const FeatureId own = feature.obstacle == obstacle_.index ? feature : FeatureId{};
   const Vec3& x = cloth_.mesh.x[static_cast<std::size_t>(vertex)];
-  const auto nearest = nearest_on_surface(obstacle_.source, x);
-  if (!nearest || nearest->distance > reach(relative_velocity(vertex))) return std::nullopt;
-  Vec3 normal = nearest->normal;
-  if (nearest->n_rim > 0) {
-    normal =
-        rim_normal(vertex, std::span(nearest->rim_normals.data(), static_cast<std::size_t>(nearest->n_rim)), normal);
+  std::vector<Contact> contacts;
+  for (const SurfacePoint& near : near_on_surface(obstacle_.source, x, reach(relative_velocity(vertex)), own)) {
+    const Vec3 normal = near.rim_normals.empty() ? near.normal : rim_normal(vertex, near.rim_normals, near.normal);
+    Contact contact = make_contact(ContactType::VertexFace, near.point, normal, near.distance);
+    contact.n_vertices = 1;
+    contact.vertices[0] = vertex;
+    contact.weights[0] = 1;
+    contacts.push_back(contact);
   }
-  Contact contact = make_contact(ContactType::VertexFace, nearest->point, normal, nearest->distance);
-  contact.n_vertices = 1;
-  contact.vertices[0] = vertex;
-  contact.weights[0] = 1;
-  return contact;
+  return contacts;
 }
 
 // A gap has to be in reach, no more. A penetration has to be the way out of the solid: for no face may the piece of
@@ -132,19 +129,27 @@ std::optional<Contact> NarrowPhase::vertex_face(int vertex) const {
 // - the far edge of a thin plate would pull down the cloth that lies on the plate and hangs over its side,
 // - an upright edge of a box would push sideways a cloth that lies flat on the top, across the corner,
 // - an edge would push aside a cloth that stands or stabs through the middle of a face.
-// Shapes without a surface have no inside: far behind a tip is far.
-bool NarrowPhase::is_way_out(double distance, double reach, std::span<const Vec3> points,
-                             std::span<const Vec3> own) const {
-  if (distance >= 0) return distance <= reach;
-  if (obstacle_.faces.empty()) return -distance <= reach;
-  for (const FacePlane& face : obstacle_.faces) {
+// Shapes without a surface have no inside: far behind a tip is far. So it is on a solid that is not convex, or round:
+// its planes alone do not tell which faces are a way out, so the feature's own are asked, and the one that is nearest
+// to where the cloth is deepest.
+bool NarrowPhase::is_way_out(const Pair& pair) const {
+  if (pair.distance >= 0) return pair.distance <= pair.reach;
+  if (obstacle_.faces.empty() && -pair.distance > pair.reach) return false;
+  if (!obstacle_.has_surface) return true;
+  const auto stays_in = [&](const FacePlane& face) {
     double depth = 0;
-    for (const Vec3& p : points) depth = std::max(depth, face.offset - face.normal.dot(p));
-    const bool is_own = std::any_of(own.begin(), own.end(), [&](const Vec3& n) { return n.dot(face.normal) > 0.999; });
+    for (const Vec3& p : pair.points) depth = std::max(depth, face.offset - face.normal.dot(p));
+    const bool is_own =
+        std::any_of(pair.own.begin(), pair.own.end(), [&](const Vec3& n) { return n.dot(face.normal) > 0.999; });
     const double slack = is_own ? own_face_slack * options_.threshold : 0.0;
-    if (-distance > (1 + way_out_slack) * depth + slack + way_out_round_off) return false;
-  }
-  return true;
+    return -pair.distance <= (1 + way_out_slack) * depth + slack + way_out_round_off;
+  };
+  if (!obstacle_.faces.empty()) return std::all_of(obstacle_.faces.begin(), obstacle_.faces.end(), stays_in);
+  const SurfacePoint nearest = nearest_on_surface(obstacle_.source, pair.on_cloth);
+  std::vector<FacePlane> ways;
+  if (nearest.distance < 0) ways.push_back({nearest.normal, nearest.normal.dot(nearest.point)});
+  for (const Vec3& n : pair.own) ways.push_back({n, n.dot(pair.on_feature)});
+  return std::all_of(ways.begin(), ways.end(), stays_in);
 }
 
 std::optional<Contact> NarrowPhase::edge_edge(int halfedge, int edge) const {
@@ -184,10 +189,10 @@ std::optional<Contact> NarrowPhase::edge_edge(int halfedge, int edge) const {
     distance = -distance;
   }
   if (!e.free_cone && !in_cone(e.normals, normal)) return std::nullopt;
-  if (!is_way_out(distance, reach(velocity), x, e.normals)) return std::nullopt;
+  const Vec3 on_feature = e.a + std::clamp(t, 0.0, e.length) * e.tangent, on_cloth = on_feature + distance * normal;
+  if (!is_way_out({distance, reach(velocity), x, on_cloth, on_feature, e.normals})) return std::nullopt;
 
-  Contact contact =
-      make_contact(ContactType::EdgeEdge, e.a + std::clamp(t, 0.0, e.length) * e.tangent, normal, distance);
+  Contact contact = make_contact(ContactType::EdgeEdge, on_feature, normal, distance);
   contact.feature = {obstacle_.index, FeatureKind::Edge, edge};
   if (e.free_cone) contact.feature.side = normal.dot(sheet.area) < 0 ? -1 : 1;
   contact.n_vertices = 2;
@@ -219,7 +224,8 @@ std::optional<Contact> NarrowPhase::corner_face(int corner, int face) const {
   if (side < 0) normal = -normal;
   if (!is_joint && !in_cone(c.normals, normal)) return std::nullopt;
   const double distance = normal.dot(x[0] - c.position);
-  if (!is_way_out(distance, reach(velocity), x, c.normals)) return std::nullopt;
+  const Vec3 on_cloth = c.position + distance * normal;
+  if (!is_way_out({distance, reach(velocity), x, on_cloth, c.position, c.normals})) return std::nullopt;
 
   Contact contact = make_contact(ContactType::CornerFace, c.position, normal, distance);
   contact.feature = {obstacle_.index, FeatureKind::Corner, corner};

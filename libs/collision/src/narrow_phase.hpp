@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "crease/collision/contact.hpp"
 #include "crease/collision/detect.hpp"
@@ -30,7 +31,8 @@ class NarrowPhase {
   NarrowPhase(const Cloth& cloth, const PlacedObstacle& obstacle, const DetectOptions& options)
       : cloth_(cloth), obstacle_(obstacle), options_(options) {}
 
-  std::optional<Contact> vertex_face(int vertex) const;
+  /// One at most on a convex solid; in a groove, one with each side.
+  std::vector<Contact> vertex_face(int vertex) const;
   std::optional<Contact> edge_edge(int halfedge, int edge) const;
   std::optional<Contact> corner_face(int corner, int face) const;
 
@@ -40,9 +42,15 @@ class NarrowPhase {
   bool on_feature(int vertex, FeatureKind kind, int index) const;
   int side_of_sheet(std::span<const int> vertices) const;
   Vec3 rim_normal(int vertex, std::span<const Vec3> normals, const Vec3& mean) const;
-  /// Whether a pair with this signed distance is a contact. `points` are the corners of the cloth's edge or face,
-  /// `own` the normals of the obstacle's faces that meet in the feature.
-  bool is_way_out(double distance, double reach, std::span<const Vec3> points, std::span<const Vec3> own) const;
+  /// A pair that may be a contact: `points` are the corners of the cloth's edge or face, `on_cloth` and `on_feature`
+  /// its closest points, `own` the normals of the obstacle's faces that meet in the feature.
+  struct Pair {
+    double distance, reach;
+    std::span<const Vec3> points;
+    Vec3 on_cloth, on_feature;
+    std::span<const Vec3> own;
+  };
+  bool is_way_out(const Pair& pair) const;
   Contact make_contact(ContactType type, const Vec3& point, const Vec3& normal, double distance) const;
 
   const Cloth& cloth_;

@@ -30,23 +30,11 @@ PlacedEdge place_edge(const SharpEdge& edge, const Pose& pose) {
   return placed;
 }
 
-std::vector<FacePlane> box_faces(const Vec3& half_size, const Pose& pose) {
-  std::vector<FacePlane> faces;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double sign : {-1.0, 1.0}) {
-      const Vec3 normal = sign * pose.rotation.col(axis);
-      faces.push_back({normal, normal.dot(pose.position) + half_size[axis]});
-    }
-  }
-  return faces;
-}
-
 }  // namespace
 
 PlacedObstacle place(const PosedObstacle& obstacle, int index) {
   const ObstacleShape& shape = *obstacle.shape;
-  require(shape.kind != ObstacleShape::Kind::Mesh,
-          "collision: expected a box, a point or a wire, got a triangle mesh (not available yet)");
+  require(shape.kind != ObstacleShape::Kind::Mesh || shape.surface, "collision: expected a mesh made by make_mesh");
   PlacedObstacle placed;
   placed.index = index;
   placed.source = obstacle;
@@ -60,7 +48,11 @@ PlacedObstacle place(const PosedObstacle& obstacle, int index) {
     placed.bounds.extend(placed.edges.back().a);
     placed.bounds.extend(obstacle.pose.to_world(edge.b));
   }
-  if (shape.kind == ObstacleShape::Kind::Box) placed.faces = box_faces(shape.half_size, obstacle.pose);
+  for (const FacePlane& plane : shape.planes) {
+    const Vec3 normal = obstacle.pose.rotation * plane.normal;
+    placed.faces.push_back({normal, normal.dot(obstacle.pose.position) + plane.offset});
+  }
+  placed.has_surface = !shape.triangles.empty();
   return placed;
 }
 

@@ -27,23 +27,17 @@ struct PlacedCorner {
   std::vector<Vec3> normals;
 };
 
-/// One face of a convex solid {p : normal . p <= offset for all faces}.
-struct FacePlane {
-  Vec3 normal = Vec3::Zero();
-  double offset = 0;
-};
-
 /// One obstacle where it is, its features turned into world coordinates once a call.
 struct PlacedObstacle {
   int index = -1;
   PosedObstacle source;
   std::vector<PlacedEdge> edges;
   std::vector<PlacedCorner> corners;
-  std::vector<FacePlane> faces;  ///< empty without a surface
+  std::vector<FacePlane> faces;  ///< of a convex solid with few; else empty
+  bool has_surface = false;
   Eigen::AlignedBox3d bounds;
 };
 
-/// @pre not a triangle mesh (not available yet)
 PlacedObstacle place(const PosedObstacle& obstacle, int index);
 
 }  // namespace crease

@@ -3,17 +3,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <ostream>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 #include "crease/base/require.hpp"
+#include "obj_text.hpp"
 
 namespace crease {
 namespace {
@@ -21,126 +18,6 @@ namespace {
 // A triangle whose area is below this share of its longest edge squared is a line, whatever sign rounding gave it:
 // three coordinates of size 1 that lie on a line yield an area of about 1e-16.
 constexpr double zero_area = 1e-12;
-
-struct ObjFace {
-  std::array<int, 3> v, vt;  // 0-based
-  int line;
-};
-
-struct ObjText {
-  std::filesystem::path file;
-  std::vector<Vec3> positions;
-  std::vector<int> position_lines;
-  std::vector<Vec2> texcoords;
-  std::vector<ObjFace> faces;
-
-  [[noreturn]] void fail(int line, const std::string& what) const {
-    throw std::runtime_error(file.string() + ":" + std::to_string(line) + ": " + what);
-  }
-};
-
-std::vector<std::string_view> split_words(std::string_view line) {
-  std::vector<std::string_view> words;
-  constexpr std::string_view blank = " \t\r\n";
-  for (size_t begin = line.find_first_not_of(blank); begin != std::string_view::npos;) {
-    const size_t end = std::min(line.find_first_of(blank, begin), line.size());
-    words.push_back(line.substr(begin, end - begin));
-    begin = line.find_first_not_of(blank, end);
-  }
-  return words;
-}
-
-// std::from_chars and not a stream: the same in every locale, and nothing is left over unseen.
-template <typename Number>
-bool parse_number(std::string_view word, Number& value) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size();
-}
-
-double read_coordinate(const ObjText& text, std::string_view word, int line) {
-  double value = 0;
-  if (!parse_number(word, value) || !std::isfinite(value))
-    text.fail(line, "expected a finite number, got '" + std::string(word) + "'");
-  return value;
-}
-
-// OBJ counts from 1; negative numbers count back from the entries read so far.
-int read_index(const ObjText& text, std::string_view word, size_t count, const char* what, int line) {
-  int index = 0;
-  if (!parse_number(word, index) || index == 0)
-    text.fail(line, "expected the number of a " + std::string(what) + " (1, 2, ...), got '" + std::string(word) + "'");
-  return index > 0 ? index - 1 : static_cast<int>(count) + index;
-}
-
-void read_face(ObjText& text, const std::vector<std::string_view>& words, int line) {
-  if (words.size() != 4)
-    text.fail(line, "a face with " + std::to_string(words.size() - 1) +
-                        " corners: only triangles are read, so triangulate the mesh");
-  ObjFace face{{}, {}, line};
-  for (int k = 0; k < 3; ++k) {
-    const std::string_view corner = words[k + 1];
-    const size_t slash = corner.find('/');
-    const std::string_view after = slash == std::string_view::npos ? "" : corner.substr(slash + 1);
-    const std::string_view vt = after.substr(0, after.find('/'));
-    if (vt.empty())
-      text.fail(line, "corner '" + std::string(corner) +
-                          "' has no texture coordinate: write 'f a/a b/b c/c', with vt = material position in metres");
-    face.v[k] = read_index(text, corner.substr(0, slash), text.positions.size(), "vertex", line);
-    face.vt[k] = read_index(text, vt, text.texcoords.size(), "texture coordinate", line);
-  }
-  text.faces.push_back(face);
-}
-
-void read_line(ObjText& text, std::string_view content, int line) {
-  const std::vector<std::string_view> words = split_words(content.substr(0, content.find('#')));
-  if (words.empty()) return;
-  const std::string_view key = words[0];
-  if (key == "v") {
-    if (words.size() < 4) text.fail(line, "a vertex needs 3 coordinates: v x y z");
-    const auto at = [&](int k) { return read_coordinate(text, words[k], line); };
-    text.positions.emplace_back(at(1), at(2), at(3));
-    text.position_lines.push_back(line);
-  } else if (key == "vt") {
-    if (words.size() < 3) text.fail(line, "a texture coordinate needs 2 numbers: vt U V");
-    text.texcoords.emplace_back(read_coordinate(text, words[1], line), read_coordinate(text, words[2], line));
-  } else if (key == "f") {
-    read_face(text, words, line);
-  } else {
-    // Names, groups, smoothing, normals, materials and loose points or lines say nothing about a cloth.
-    constexpr std::array<std::string_view, 9> ignored{"o", "g", "s", "vn", "vp", "usemtl", "mtllib", "p", "l"};
-    if (std::find(ignored.begin(), ignored.end(), key) == ignored.end())
-      text.fail(line, "unknown statement '" + std::string(key) + "': expected v, vt or f");
-  }
-}
-
-ObjText read_text(const std::filesystem::path& file) {
-  ObjText text{file, {}, {}, {}, {}};
-  if (std::filesystem::is_directory(file))
-    throw std::runtime_error(file.string() + ": is a directory, not an OBJ file");
-  std::ifstream in(file);
-  if (!in) throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno));
-  int line = 0;
-  for (std::string content; std::getline(in, content);) read_line(text, content, ++line);
-  if (in.bad()) throw std::runtime_error(file.string() + ": reading failed");
-  if (text.faces.empty()) text.fail(std::max(line, 1), "no faces: expected 'f a/a b/b c/c'");
-  return text;
-}
-
-void check_indices(const ObjText& text) {
-  const auto check = [&](int index, size_t count, const char* what, int line) {
-    if (index < 0 || index >= static_cast<int>(count))
-      text.fail(line, std::string(what) + " " + std::to_string(index + 1) + " does not exist: the file has " +
-                          std::to_string(count));
-  };
-  for (const ObjFace& face : text.faces) {
-    for (int k = 0; k < 3; ++k) check(face.v[k], text.positions.size(), "vertex", face.line);
-    for (int k = 0; k < 3; ++k) check(face.vt[k], text.texcoords.size(), "texture coordinate", face.line);
-    for (int k = 0; k < 3; ++k)
-      if (face.v[k] == face.v[(k + 1) % 3])
-        text.fail(face.line, "vertex " + std::to_string(face.v[k] + 1) + " stands twice in one triangle");
-  }
-}
 
 // One material position a vertex; a seam would need two.
 std::vector<Vec2> material_positions(const ObjText& text) {
@@ -220,8 +97,7 @@ void append_faces(std::string& out, const Mesh& mesh, int offset) {
 }  // namespace
 
 Mesh read_obj(const std::filesystem::path& file) {
-  ObjText text = read_text(file);
-  check_indices(text);
+  ObjText text = read_obj_text(file, ObjUse::Cloth);
   std::vector<Vec2> X = material_positions(text);
   check_areas(text, X);
   check_manifold(text);
@@ -232,6 +108,13 @@ Mesh read_obj(const std::filesystem::path& file) {
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(file.string() + ": " + error.what());
   }
+}
+
+TriangleSurface read_surface_obj(const std::filesystem::path& file) {
+  ObjText text = read_obj_text(file, ObjUse::Surface);
+  TriangleSurface surface{std::move(text.positions), {}};
+  for (const ObjFace& face : text.faces) surface.triangles.push_back(face.v);
+  return surface;
 }
 
 void write_obj(std::ostream& out, std::span<const NamedCloth> cloths, double time) {

@@ -81,6 +81,8 @@ ObstacleShape make_box(const Vec3& size) {
   }
   add_box_triangles(box);
   add_box_edges(box);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool positive : {false, true}) box.planes.push_back({axis_normal(axis, positive), box.half_size[axis]});
   return box;
 }
 
@@ -147,7 +149,8 @@ std::optional<double> signed_distance(const ObstacleShape& shape, const Pose& po
     case ObstacleShape::Kind::Wire:
       return std::nullopt;
     case ObstacleShape::Kind::Mesh:
-      require(false, "signed_distance: expected a box, a point or a wire, got a triangle mesh (not available yet)");
+      require(shape.surface != nullptr, "signed_distance: expected a mesh made by make_mesh");
+      return shape.surface->nearest(pose.to_local(p)).distance;
   }
   return std::nullopt;
 }

@@ -19,7 +19,7 @@
 namespace crease {
 
 enum class RemeshMethod { None, Adaptive, Conformal };
-enum class ContactMethod { Eol };
+enum class ContactMethod { Eol, LagrangianAveraged, LagrangianCone };
 
 /// Where a pin holds: exactly one of the contract's forms.
 struct PinWhere {

@@ -35,13 +35,14 @@ struct DetectOptions {
 /// and 1, by several of the edges or faces there.
 /// Penetrations of edges and corners are reported at any depth, provided that the cloth's edge or face reaches as deep
 /// below every face of the solid: else some face is the shorter way out. Behind points and wires, which have no inside,
-/// the threshold + look-ahead bounds the depth.
-/// An EOL vertex produces no VertexFace contact with the obstacle it rides on (a convex shape cannot be entered from
-/// one of its features but through the faces that meet there, which its own rows guard); edges or faces with an EOL
-/// vertex on the same feature, or edges with one on a corner at the feature's end, produce no EdgeEdge / CornerFace
-/// contact with that feature. Order of the result is deterministic: by obstacle, type, feature index, cloth index. No
-/// duplicates. Throws std::invalid_argument for numbers that are not finite, and for triangle meshes (not available
-/// yet).
+/// the threshold + look-ahead bounds the depth; so it does in a mesh that is not convex, is round or has an acute edge.
+/// A vertex outside a mesh that is not convex has one VertexFace contact with every place that is nearer than all
+/// around it: two in a groove. An EOL vertex produces no VertexFace contact with the obstacle it rides on (a convex
+/// shape cannot be entered from one of its features but through the faces that meet there, which its own rows guard; of
+/// another shape only the parts beside the feature are left out); edges or faces with an EOL vertex on the same
+/// feature, or edges with one on a corner at the feature's end, produce no EdgeEdge / CornerFace contact with that
+/// feature. Order of the result is deterministic: by obstacle, type, feature index, cloth index. No duplicates. Throws
+/// std::invalid_argument for numbers that are not finite.
 class Detector {
  public:
   Detector();

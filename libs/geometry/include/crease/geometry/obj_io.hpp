@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "crease/geometry/closed_surface.hpp"
 #include "crease/geometry/cloth.hpp"
 
 namespace crease {
@@ -15,6 +16,10 @@ namespace crease {
 /// a seam (one v with several vt), a non-manifold, inverted or zero-area triangle too.
 /// Throws std::runtime_error "FILE:LINE: what is wrong and what would be right".
 Mesh read_obj(const std::filesystem::path& file);
+
+/// Reads the surface of an obstacle: v and f, the rest is not looked at. Polygons are refused; whether it is closed is
+/// for surface_problems() to say. Throws std::runtime_error "FILE:LINE: what is wrong and what would be right".
+TriangleSurface read_surface_obj(const std::filesystem::path& file);
 
 struct NamedCloth {
   std::string name;

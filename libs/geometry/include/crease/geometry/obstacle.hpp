@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "crease/base/types.hpp"
+#include "crease/geometry/closed_surface.hpp"
 
 namespace crease {
 
@@ -33,6 +35,7 @@ struct SharpCorner {
   Vec3 position;  ///< local coordinates [m]
   std::vector<Vec3>
       normals;  ///< unit outward normals of the faces that meet there (3 on a box, 1 on a nail, 0 on a wire)
+  std::vector<int> patches = {};  ///< of a mesh: the parts of its surface that meet there, see ObstacleShape::patch
 };
 
 /// A sharp edge between two flat faces, or one segment of a wire.
@@ -42,6 +45,13 @@ struct SharpEdge {
   std::array<Vec3, 2> normals{Vec3::Zero(), Vec3::Zero()};
   std::array<int, 2> corners{-1, -1};  ///< indices of the corners at a and b, -1 = none
   bool free_cone = false;              ///< true on a wire: any normal orthogonal to the tangent
+  std::vector<int> patches = {};       ///< of a mesh: the parts of its surface beside it, see ObstacleShape::patch
+};
+
+/// One face of a convex solid {p : normal . p <= offset for all faces}.
+struct FacePlane {
+  Vec3 normal = Vec3::Zero();
+  double offset = 0;
 };
 
 /// A shape in its own frame: a surface to stay outside of, and the sharp features on it.
@@ -57,6 +67,12 @@ struct ObstacleShape {
   std::vector<std::array<int, 3>> triangles;  ///< outward orientation
   std::vector<SharpCorner> corners;
   std::vector<SharpEdge> edges;
+  std::vector<FacePlane> planes;  ///< of a convex solid with few faces and no acute edge, local; else empty
+  /// Mesh only: its surface for queries, and where the features are on it.
+  std::shared_ptr<const ClosedSurface> surface;
+  std::vector<int> patch;  ///< of each triangle; sharp edges, bent outwards or inwards, part the surface into patches
+  std::vector<std::array<int, 3>> edge_at;  ///< of each triangle: index into `edges` on its side k, or -1
+  std::vector<int> corner_at;               ///< of each vertex: index into `corners`, or -1
 };
 
 /// Axis-aligned box about the origin. @pre size > 0
@@ -69,6 +85,14 @@ ObstacleShape make_point(const Vec3& normal);
 /// open wire are no corners: there the cloth slips off. First and last point equal: a loop, closed by one more joint.
 /// @pre two points or more, each unlike the one before it
 ObstacleShape make_wire(const std::vector<Vec3>& points);
+
+/// A closed triangle mesh. Edges that bend outwards by more than `sharp_angle` [rad] become features, a straight run of
+/// them one; so do the corners in which they end, if a sheet can rest on them in more ways than one: at a corner whose
+/// outward normals leave it no room, as where a ridge runs into a wall, an edge just ends. Edges that bend less, and
+/// those that bend inwards, are surface and nothing else; so is the tip of a cone that is round enough to have no sharp
+/// edge. Vertices of no triangle are dropped.
+/// Throws std::invalid_argument with the first of surface_problems().  @pre sharp_angle > 0
+ObstacleShape make_mesh(const TriangleSurface& surface, double sharp_angle);
 
 /// Velocity that holds until the next entry.
 struct MotionKey {
