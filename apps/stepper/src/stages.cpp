@@ -3,6 +3,8 @@
 #include <memory>
 
 #include "crease/base/require.hpp"
+#include "crease/constraints/lagrangian.hpp"
+#include "crease/geometry/wire.hpp"
 #include "crease/stepper/step.hpp"
 
 namespace crease {
@@ -54,6 +56,37 @@ RemeshResult chain_passes(RemeshResult first, RemeshResult second) {
   return second;
 }
 
+using RemeshStage = decltype(Stages::remesh);
+
+/// Conformal remeshing of a method without Eulerian unknowns: the mesh follows features as ever, but its vertices are
+/// Lagrangian. Those that still stand on a feature in the next step are its chain again, what has moved off is made
+/// conformal anew.
+RemeshStage without_eulerian(RemeshStage conforming, double threshold) {
+  return [threshold, remesh = std::move(conforming)](const Cloth& cloth, std::span<const Contact> contacts,
+                                                     std::span<const PosedObstacle> obstacles, double h) {
+    Cloth marked = cloth;
+    mark_standing(marked, obstacles, threshold);
+    spread_wire_sides(marked, obstacles);
+    RemeshResult result = remesh(marked, contacts, obstacles, h);
+    for (int v = 0; v < result.cloth.mesh.vertex_slots(); ++v)
+      if (result.cloth.is_eol(v)) make_lagrangian(result.cloth, v);
+    result.report.inserted = result.report.released = 0;  // no vertex changed its kind
+    return result;
+  };
+}
+
+decltype(Stages::constrain) lagrangian_rows(const Scene& scene) {
+  const auto normals =
+      scene.contact == ContactMethod::LagrangianCone ? LagrangianNormals::Cone : LagrangianNormals::Averaged;
+  return
+      [normals, threshold = scene.threshold](const Cloth& cloth, const DofMap& dofs, std::span<const Contact> contacts,
+                                             std::span<const PosedObstacle> obstacles, std::span<const PinState> pins,
+                                             const ConstraintOptions& options) {
+        return build_constraints(cloth, dofs, lagrangian_contacts(cloth, contacts, obstacles, normals, threshold),
+                                 obstacles, pins, options);
+      };
+}
+
 }  // namespace
 
 Stages make_stages(const Scene& scene, const ClothSpec& spec) {
@@ -85,8 +118,12 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
       RemeshResult adapted = adapt(conformed.cloth, options, obstacles);
       return chain_passes(std::move(conformed), std::move(adapted));
     };
+  const bool is_lagrangian = scene.contact != ContactMethod::Eol && !scene.obstacles.empty();
+  if (is_lagrangian && spec.remeshing == RemeshMethod::Conformal)
+    stages.remesh = without_eulerian(std::move(stages.remesh), scene.threshold);
   if (scene.obstacles.empty() && spec.pins.empty()) return stages;
   stages.constrain = build_constraints;
+  if (is_lagrangian) stages.constrain = lagrangian_rows(scene);
   auto solver = std::shared_ptr<QpSolver>(make_qp_solver(scene.qp));
   stages.solve = [solver, tolerance = scene.tolerance](const QpProblem& problem, std::span<const char> guess) {
     QpOptions options;
