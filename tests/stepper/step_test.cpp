@@ -128,6 +128,40 @@ TEST(Step, CatchesASheetThatFallsFromRestWithinOneStep) {
   for (const Vec3& x : result.cloth.mesh.x) EXPECT_NEAR(x.z(), -gap, 1e-9);
 }
 
+// Detection asks where the cloth gets to at its velocity. At rest that is nowhere, but what pulls at it within the step
+// throws it a metre down: it is asked again at that velocity, and the floor that is found then holds.
+TEST(Step, DetectsAgainWhatTheSolutionRunsInto) {
+  const double h = 0.01, floor = -0.02;
+  SheetSettings settings;
+  settings.dynamics.gravity = {0, 0, -1e4};
+  Scene scene;
+  scene.obstacles.push_back({.name = "floor", .shape = make_box({2, 2, 2}), .start = {}, .motion = {}});
+  Stages stages = make_stages(scene, {});
+  int calls = 0;
+  stages.detect = [&](const Cloth& cloth, std::span<const PosedObstacle>, double step) {
+    ++calls;
+    std::vector<Contact> contacts;
+    for (int v = 0; v < cloth.mesh.n_vertices(); ++v) {
+      if (cloth.mesh.x[v].z() + step * cloth.v[v].z() >= floor) continue;
+      Contact contact;
+      contact.obstacle = 0;
+      contact.n_vertices = 1;
+      contact.vertices = {v, -1, -1};
+      contact.weights = {1, 0, 0};
+      contact.normal = Vec3::UnitZ();
+      contact.distance = cloth.mesh.x[v].z() - floor;
+      contacts.push_back(contact);
+    }
+    return contacts;
+  };
+  SheetStepper stepper(settings, stages);
+  const StepResult result = stepper.step(make_cloth(make_grid({})), scene.obstacles, 0, h);
+  ASSERT_EQ(result.report.status, StepStatus::Done) << result.report.message;
+  EXPECT_EQ(calls, 2);  // with the floor it is slower than that, so nothing is asked a third time
+  EXPECT_EQ(result.report.contacts, result.cloth.mesh.n_vertices());
+  for (const Vec3& x : result.cloth.mesh.x) EXPECT_NEAR(x.z(), floor, 1e-12);
+}
+
 TEST(Step, LeavesTheGivenClothAloneAndRefusesWhatIsNotFinite) {
   Cloth cloth = make_cloth(make_grid({}));
   const auto before = cloth.mesh.x;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -21,6 +22,9 @@ namespace {
 /// Smallest share of its material area that a triangle may keep in one step. An EOL vertex may thus cross at most 0.3
 /// of the altitude ahead of it: the material Courant number at which explicit velocity terms are still accurate.
 constexpr double min_area_share = 0.7;
+
+/// Solutions of one step, each with the contacts that the one before ran into.
+constexpr int max_passes = 4;
 
 class Stopwatch {
  public:
@@ -58,6 +62,32 @@ bool all_finite(const Cloth& cloth) {
         !cloth.V[i].allFinite())
       return false;
   return true;
+}
+
+/// Detection reaches as far as the velocities go at which it looks. True if the solution moves x farther past an
+/// obstacle than that, by more than the threshold: forces, pins or contacts have sped it up.
+bool outran(const Vec3& x, const Vec3& solved, const Vec3& looked, std::span<const PosedObstacle> obstacles, double h,
+            double threshold) {
+  return std::any_of(obstacles.begin(), obstacles.end(), [&](const PosedObstacle& obstacle) {
+    const Vec3 there = obstacle.pose.velocity_at(x);
+    return h * (solved - there).norm() > h * (looked - there).norm() + threshold;
+  });
+}
+
+/// Adds the contacts of `more` that `contacts` lacks; their number.
+int add_new(std::vector<Contact>& contacts, const std::vector<Contact>& more) {
+  const auto key = [](const Contact& c) {
+    return std::tuple(c.type, c.obstacle, c.feature.kind, c.feature.index, c.vertices);
+  };
+  std::set<decltype(key(Contact{}))> known;
+  for (const Contact& contact : contacts) known.insert(key(contact));
+  int n = 0;
+  for (const Contact& contact : more) {
+    if (!known.insert(key(contact)).second) continue;
+    contacts.push_back(contact);
+    ++n;
+  }
+  return n;
 }
 
 /// True if no triangle at an EOL vertex lost more than its allowed share of material area.
@@ -120,6 +150,8 @@ const char* to_string(StepStatus status) {
       return "quadratic program failed";
     case StepStatus::NotFinite:
       return "state is not finite";
+    case StepStatus::ContactsUnsettled:
+      return "new contacts with every solution";
     case StepStatus::EulerianStepTooLong:
       return "material step too long for the triangles ahead";
   }
@@ -143,6 +175,7 @@ struct SheetStepper::Impl {
   bool assemble(Work& work);
   void constrain(Work& work);
   bool solve(Work& work);
+  bool constrain_and_solve(Work& work);
   bool integrate(Work& work, std::span<const Obstacle> obstacles);
 
   bool same_topology(const Cloth& cloth);
@@ -256,21 +289,45 @@ void SheetStepper::Impl::constrain(Work& work) {
   options.h = work.h;
   options.push_out_speed = settings.push_out_speed;
   work.rows = stages.constrain(work.cloth, work.dofs, work.contacts, work.posed, pins, options);
-  work.report.times.constrain = work.watch.lap();
+  work.report.times.constrain += work.watch.lap();
 }
 
 bool SheetStepper::Impl::solve(Work& work) {
   const QpProblem problem = make_problem(*system, work.rows, work.dofs);
   work.solution = stages.solve ? stages.solve(problem, guess(work)) : linear.solve(problem);
   const QpResult& solution = work.solution;
-  work.report.qp_iterations = solution.iterations;
-  work.report.qp_fell_back = solution.fell_back;
+  work.report.qp_iterations += solution.iterations;
+  work.report.qp_fell_back = work.report.qp_fell_back || solution.fell_back;
   work.report.kkt_residual = solution.kkt_residual;
-  work.report.times.solve = work.watch.lap();
-  if (solution.status != QpStatus::Solved)
-    return work.fail(StepStatus::QpFailed, "solve", std::string(to_string(solution.status)) + ": " + solution.message);
-  read_multipliers(work);
-  return true;
+  work.report.times.solve += work.watch.lap();
+  return solution.status == QpStatus::Solved ||
+         work.fail(StepStatus::QpFailed, "solve", std::string(to_string(solution.status)) + ": " + solution.message);
+}
+
+// Where the solution moves the cloth farther than detection looked, it looks again, that far; what it finds joins the
+// constraints. Contacts are only ever added, and each time costs a pass of the budget.
+bool SheetStepper::Impl::constrain_and_solve(Work& work) {
+  std::vector<Vec3> looked = work.cloth.v;  // as far as detection went
+  for (int pass = 0; pass < max_passes; ++pass) {
+    constrain(work);
+    if (!solve(work)) return false;
+    if (!stages.detect || !stages.constrain || !work.solution.q.allFinite()) return true;
+    bool farther = false;
+    for (int v = 0; v < work.cloth.mesh.n_vertices(); ++v) {
+      const Vec3 solved = work.solution.q.segment<3>(work.dofs.x(v));
+      if (!outran(work.cloth.mesh.x[v], solved, looked[v], work.posed, work.h, settings.threshold)) continue;
+      looked[v] = solved;
+      farther = true;
+    }
+    if (!farther) return true;
+    Cloth moved = work.cloth;
+    moved.v = looked;
+    const int n = add_new(work.contacts, stages.detect(moved, work.posed, work.h));
+    work.report.contacts = static_cast<int>(work.contacts.size());
+    work.report.times.detect += work.watch.lap();
+    if (n == 0) return true;
+  }
+  return work.fail(StepStatus::ContactsUnsettled, "solve", "every solution runs into obstacles that are not in it yet");
 }
 
 bool SheetStepper::Impl::integrate(Work& work, std::span<const Obstacle> obstacles) {
@@ -285,6 +342,7 @@ bool SheetStepper::Impl::integrate(Work& work, std::span<const Obstacle> obstacl
     return work.fail(StepStatus::EulerianStepTooLong, "integrate",
                      "an EOL vertex would cross more than 0.3 of a triangle");
   work.report.released += track_features(next, obstacles, work.time + work.h, settings.threshold);
+  read_multipliers(work);
   remember(work.rows, work.solution);
   work.cloth = std::move(next);
   work.report.times.integrate = work.watch.lap();
@@ -298,8 +356,7 @@ StepResult SheetStepper::step(const Cloth& cloth, std::span<const Obstacle> obst
   Work work{.time = time, .h = h, .posed = pose_all(obstacles, time, h), .cloth = cloth};
   impl_->detect(work);
   impl_->remesh(work);
-  const bool done =
-      impl_->assemble(work) && (impl_->constrain(work), impl_->solve(work)) && impl_->integrate(work, obstacles);
+  const bool done = impl_->assemble(work) && impl_->constrain_and_solve(work) && impl_->integrate(work, obstacles);
   return {done ? std::move(work.cloth) : cloth, std::move(work.report)};
 }
 

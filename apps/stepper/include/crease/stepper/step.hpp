@@ -17,7 +17,7 @@
 
 namespace crease {
 
-enum class StepStatus { Done, QpFailed, NotFinite, EulerianStepTooLong };
+enum class StepStatus { Done, QpFailed, NotFinite, ContactsUnsettled, EulerianStepTooLong };
 const char* to_string(StepStatus status);
 
 /// Seconds of wall time a stage took.
