@@ -76,6 +76,17 @@ TEST_F(SceneIo, KeysGivenTwiceAreRefused) {
   expect_problem(with(full_scene, "\"fps\": 60", "\"fps\": 60, \"fps\": 30"), "/output/fps", "twice");
 }
 
+// 100 000 brackets took 10 GB for their pointers; as the value of an override, all of the stack.
+TEST_F(SceneIo, BracketsWithoutEndAreRefused) {
+  const std::string open(100000, '['), closed(100000, ']');
+  for (const std::string& text : {open, open + closed, "{\"cloths\": " + open + closed + "}"})
+    expect_problem(text, "", "at most 100 lists and objects");
+  expect_problem(full_scene, "/cloths", "at most 100 lists and objects", {{"cloths", open + closed}});
+  std::string path = "cloths.0.material.density";
+  for (int k = 0; k < 100000; ++k) path += ".a";
+  expect_problem(full_scene, "", "at most 100 lists and objects", {{path, "1"}});
+}
+
 TEST_F(SceneIo, NothingButAnObjectIsAScene) {
   expect_problem("[]", "", "must be an object");
   expect_problem("null", "", "must be an object");

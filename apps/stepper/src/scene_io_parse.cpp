@@ -13,6 +13,12 @@
 namespace crease {
 namespace {
 
+/// Lists and objects within each other; a scene needs seven. Deeper ones cost a pointer each while they are read, hence
+/// memory that grows with the square, and stack when they are printed.
+constexpr int most_levels = 100;
+const std::string too_many_levels =
+    "must have at most " + std::to_string(most_levels) + " lists and objects within each other";
+
 // Builds the document while it knows where it is, which nlohmann's own reader does not tell.
 class DocumentBuilder : public nlohmann::json_sax<Json> {
  public:
@@ -45,6 +51,7 @@ class DocumentBuilder : public nlohmann::json_sax<Json> {
   Json& document() { return document_; }
   const std::optional<Failure>& failure() const { return failure_; }
   const std::vector<std::string>& keys_given_twice() const { return twice_; }
+  bool too_deep() const { return stack_.size() >= most_levels; }  // for another
 
   /// Pointer of the value that is being read.
   std::string here() const {
@@ -64,6 +71,7 @@ class DocumentBuilder : public nlohmann::json_sax<Json> {
     return true;
   }
   bool open(Json value) {
+    if (too_deep()) return false;
     pointers_.push_back(here());
     stack_.push_back(place(std::move(value)));
     return true;
@@ -137,6 +145,10 @@ std::optional<Json> parse_scene_text(const std::string& original, ProblemList& p
       for (const std::string& pointer : builder.keys_given_twice()) problems.add(pointer, "the key is given twice");
       return std::move(builder.document());
     }
+    if (builder.too_deep() && !builder.failure()) {
+      problems.add("", too_many_levels);
+      return std::nullopt;
+    }
     const size_t position = builder.failure() ? builder.failure()->position : 0;
     const Token token = token_at(text, position);
     const std::string word = text.substr(token.begin, token.end - token.begin);
@@ -156,6 +168,7 @@ std::optional<Json> parse_scene_text(const std::string& original, ProblemList& p
 
 void apply_override(Json& document, const std::string& path, const std::string& text, ProblemList& problems) {
   const std::string what = "--set " + path + ": ";
+  if (std::count(path.begin(), path.end(), '.') >= most_levels) return problems.add("", "--set: " + too_many_levels);
   Json* target = &document;
   std::string pointer;
   for (size_t begin = 0; begin <= path.size();) {
@@ -181,7 +194,13 @@ void apply_override(Json& document, const std::string& path, const std::string& 
     }
     pointer = child_pointer(pointer, key);
   }
-  Json value = Json::parse(text, nullptr, false);
+  bool too_deep = false;
+  const auto shallow = [&](int depth, Json::parse_event_t, const Json&) {
+    too_deep = too_deep || depth > most_levels;
+    return !too_deep;  // false drops what comes, so that it never nests
+  };
+  Json value = Json::parse(text, shallow, false);
+  if (too_deep) return problems.add(pointer, what + too_many_levels);
   if (value.is_discarded() && is_not_finite(text))
     return problems.add(pointer, what + "must be a finite number, got " + text);
   *target = value.is_discarded() ? Json(text) : std::move(value);
