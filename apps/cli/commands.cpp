@@ -55,6 +55,9 @@ int run(const Arguments& arguments) {
   } else if (!arguments.quiet) {
     std::cerr << loaded.scene.name << ": done, " << result.reached.step << " steps to " << result.reached.time
               << " s in " << clock_text(result.reached.wall) << "; results in " << arguments.output << '\n';
+    if (result.reached.worst_penetration > loaded.scene.threshold)
+      std::cerr << loaded.scene.name << ": the cloth was up to " << 1e3 * result.reached.worst_penetration
+                << " mm inside an obstacle, more than contact.threshold; when, says summary.json\n";
   }
   return static_cast<int>(result.status);
 }

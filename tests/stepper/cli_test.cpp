@@ -164,6 +164,18 @@ TEST_F(Cli, RunWritesResultsAndReportsOnStandardErrorOnly) {
   EXPECT_EQ(quiet.err, "");
 }
 
+// A unit sheet without remeshing, half a metre deep in a box that is 1 m high: nothing fails, but it is said.
+TEST_F(Cli, RunSaysHowDeepTheClothWasInAnObstacle) {
+  folder_.write("scene.json", with(short_scene, "\"cloths\"",
+                                   R"("contact": {"method": "lagrangian_averaged"},
+                                      "obstacles": [{"box": {"size": [3, 3, 1]}}], "cloths")"));
+  const Outcome outcome = crease("run scene.json -o out");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find("mm inside an obstacle"), std::string::npos) << outcome.err;
+  EXPECT_EQ(crease("run scene.json -o clear --set obstacles.0.position=[0,0,-9]").err.find("inside"),
+            std::string::npos);
+}
+
 // Another process has other addresses, another environment, another folder and other rubbish in the memory it is given
 // (MALLOC_PERTURB_ of glibc); none of them may show.
 TEST_F(Cli, TwoProcessesWriteTheSameBytes) {

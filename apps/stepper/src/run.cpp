@@ -193,7 +193,8 @@ RunProgress Run::reached() const {
           static_cast<int>(row.faces),
           static_cast<int>(row.eol_vertices),
           static_cast<int>(row.contacts),
-          static_cast<int>(sums.retries)};
+          static_cast<int>(sums.retries),
+          tally_.deepest().max_penetration};
 }
 
 /// One step and its row. @return what failed, or nothing

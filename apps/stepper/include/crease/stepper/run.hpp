@@ -27,6 +27,7 @@ struct RunProgress {
   double time, duration;  ///< reached, and asked for: the scene's duration or `until` [s]
   double wall;            ///< spent so far, earlier parts of a resumed run included [s]
   int step, faces, eol_vertices, contacts, retries;
+  double worst_penetration;  ///< deepest place of a cloth inside an obstacle at any step's end so far [m]
 };
 
 /// The numbers are the program's exit statuses.

@@ -49,7 +49,7 @@ enum class RefusalReason {
 inline constexpr std::size_t n_refusal_reasons = 12;
 const char* to_string(RefusalReason reason);
 
-/// Something that could not be done, and where; the caller slows the step and tries again.
+/// Something that could not be done, and where. The mesh is valid all the same; the next pass tries it anew.
 struct Refusal {
   RefusalReason reason;
   int vertex = -1;  ///< new numbering, -1 if the place is no vertex
