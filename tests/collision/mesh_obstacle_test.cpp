@@ -172,6 +172,66 @@ TEST(MeshObstacle, MeetsClothAcrossRidgesOfTwentyToHundredAndFiftyDegrees) {
   }
 }
 
+// An edge that is too blunt to be a feature holds up the cloth across it as the same edge does where it is one. What a
+// coarse cloth bends round would else be seen at its vertices only.
+TEST(MeshObstacle, MeetsClothAcrossABluntEdgeAsAcrossASharpOne) {
+  SCOPED_TRACE("seed 5");
+  Rng rng(5);
+  for (const double angle : {151, 165, 178}) {
+    SCOPED_TRACE(angle);
+    const auto surface = support::quartered(support::ridge_surface(angle * degree, 4, 2));
+    const ObstacleShape blunt = make_mesh(surface, 30 * degree), sharp = make_mesh(surface, 1 * degree);
+    ASSERT_EQ(blunt.edges.size() + 1, sharp.edges.size());
+    for (int i = 0; i < 200; ++i) {
+      const double lean = uniform(rng, -0.95, 0.95) * (90 - angle / 2) * degree, gap = uniform(rng, -9e-4, 9e-4);
+      const Vec3 normal(0, -std::sin(lean), std::cos(lean)), along(0, std::cos(lean), std::sin(lean));
+      const Vec3 at = Vec3(uniform(rng, -0.5, 0.5), 0, 0) + gap * normal;
+      const Cloth cloth =
+          make_cloth(Mesh({{0, 0}, {1, 0}, {0, 1}},
+                          {at - 0.3 * along, at + 0.4 * along, at - 0.3 * along + 0.3 * Vec3::UnitX()}, {{0, 1, 2}}));
+      const auto across = [&](const ObstacleShape& shape, FeatureKind kind) {
+        const PosedObstacle posed{&shape, {}};
+        const auto contacts = Detector().detect(cloth, {&posed, 1}, {1e-3, 0, 0});
+        const auto found = std::find_if(contacts.begin(), contacts.end(), [&](const Contact& c) {
+          return c.type == ContactType::EdgeEdge && c.feature.kind == kind && c.halfedge == cloth.mesh.edge_of(0);
+        });
+        return found == contacts.end() ? Contact{} : *found;
+      };
+      const Contact one = across(blunt, FeatureKind::None), other = across(sharp, FeatureKind::Edge);
+      ASSERT_EQ(one.n_vertices, 2);
+      EXPECT_EQ(one.vertices, other.vertices);
+      EXPECT_NEAR(one.distance, gap, 1e-12);
+      EXPECT_NEAR(one.distance, other.distance, 1e-12);
+      EXPECT_LE((one.normal - normal).norm(), 1e-12);
+    }
+  }
+}
+
+// The vertex at one end of the cloth edge rides on a sharp edge 0.1 mm from the blunt one: its rows keep the cloth out.
+TEST(MeshObstacle, LeavesABluntEdgeToAVertexThatRidesBesideIt) {
+  // Sharp at the origin (90 degrees), blunt at the other corners of the upper side.
+  const auto surface =
+      support::prism_surface({{0, 0}, {-1, 0}, {-1, -1}, {1e-4, -1}, {1e-4, -1e-4 / std::tan(0.2)}}, 4);
+  const ObstacleShape shape = make_mesh(surface, 30 * degree);
+  ASSERT_EQ(shape.blunt_edges.size(), 1u);
+  int ridge = -1;
+  for (std::size_t e = 0; e < shape.edges.size(); ++e)
+    if (shape.edges[e].a.tail<2>().isZero() && shape.edges[e].b.tail<2>().isZero()) ridge = static_cast<int>(e);
+  ASSERT_GE(ridge, 0);
+  const PosedObstacle posed{&shape, {}};
+  Cloth cloth = make_cloth(Mesh({{0, 0}, {1, 0}, {0, 1}}, {{0, 0, 0}, {0, 0.01, -0.1}, {0.3, 0, 0}}, {{0, 1, 2}}));
+  const auto has_blunt = [&] {
+    const auto contacts = Detector().detect(cloth, {&posed, 1}, {1e-3, 0, 0});
+    return std::any_of(contacts.begin(), contacts.end(), [&](const Contact& c) {
+      return c.type == ContactType::EdgeEdge && c.feature.kind == FeatureKind::None &&
+             c.halfedge == cloth.mesh.edge_of(0);
+    });
+  };
+  EXPECT_TRUE(has_blunt());
+  cloth.feature[0] = {0, FeatureKind::Edge, ridge};
+  EXPECT_FALSE(has_blunt());
+}
+
 // As TriangleDistance.IsTheSmallestGapOfAllContacts does for boxes: FCL, every triangle of the mesh one by one.
 TEST(MeshObstacle, HasNoContactNearerThanTheWholeTriangle) {
   SCOPED_TRACE("seed 4");

@@ -95,6 +95,7 @@ TEST(MakeMesh, MakesAnEdgeOfEveryAngleUpToTheSharpOne) {
                                   [](const SharpEdge& e) { return e.a.tail<2>().isZero() && e.b.tail<2>().isZero(); });
     ASSERT_EQ(top != ridge.edges.end(), angle < 150);
     EXPECT_EQ(ridge.edges.size(), angle < 150 ? 9u : 8u);
+    EXPECT_EQ(ridge.blunt_edges.size(), angle < 150 ? 0u : 2u) << "one a mesh edge";
     // A corner stays one without the ridge: its sheet still bends by 90 degrees there.
     EXPECT_EQ(ridge.corners.size(), 6u);
     if (top == ridge.edges.end()) continue;
@@ -125,9 +126,10 @@ TEST(MakeMesh, MakesNothingOfAnEdgeThatBendsInwards) {
   }
 }
 
-TEST(MakeMesh, MakesNothingOfARoundSurface) {
+TEST(MakeMesh, MakesNoFeatureOfARoundSurface) {
   const ObstacleShape ball = make_mesh(support::ball_surface(1, 3), 30 * degree);
   EXPECT_TRUE(ball.edges.empty());
+  EXPECT_EQ(ball.blunt_edges.size(), 512u * 3 / 2);
   EXPECT_TRUE(ball.corners.empty());
   EXPECT_TRUE(ball.planes.empty()) << "512 faces are no list of planes";
   EXPECT_EQ(std::set<int>(ball.patch.begin(), ball.patch.end()).size(), 1u);

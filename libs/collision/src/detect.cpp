@@ -120,12 +120,17 @@ class ObstacleSearch {
     for (const int vertex : vertices)
       for (const Contact& contact : narrow_.vertex_face(vertex)) contacts.push_back(contact);
     const std::vector<int> deep = deep_faces(mesh_, obstacle_, faces, vertices, options_.threshold);
-    for (int e = 0; e < static_cast<int>(obstacle_.edges.size()); ++e) {
-      const PlacedEdge& edge = obstacle_.edges[static_cast<std::size_t>(e)];
-      Eigen::AlignedBox3d bounds(edge.a);
-      bounds.extend(edge.a + edge.length * edge.tangent);
-      for (const int halfedge : edges_of(mesh_, faces_near(bounds, deep))) append(narrow_.edge_edge(halfedge, e));
-    }
+    const auto append_edges = [&](const std::vector<PlacedEdge>& edges, FeatureKind kind) {
+      for (int e = 0; e < static_cast<int>(edges.size()); ++e) {
+        const PlacedEdge& edge = edges[static_cast<std::size_t>(e)];
+        Eigen::AlignedBox3d bounds(edge.a);
+        bounds.extend(edge.a + edge.length * edge.tangent);
+        for (const int halfedge : edges_of(mesh_, faces_near(bounds, deep)))
+          append(narrow_.edge_edge(halfedge, edge, {obstacle_.index, kind, e}));
+      }
+    };
+    append_edges(obstacle_.edges, FeatureKind::Edge);
+    append_edges(obstacle_.blunt_edges, FeatureKind::None);
     for (int c = 0; c < static_cast<int>(obstacle_.corners.size()); ++c) {
       const Eigen::AlignedBox3d bounds(obstacle_.corners[static_cast<std::size_t>(c)].position);
       for (const int face : faces_near(bounds, deep)) append(narrow_.corner_face(c, face));

@@ -152,8 +152,16 @@ bool NarrowPhase::is_way_out(const Pair& pair) const {
   return std::all_of(ways.begin(), ways.end(), stays_in);
 }
 
-std::optional<Contact> NarrowPhase::edge_edge(int halfedge, int edge) const {
-  const PlacedEdge& e = obstacle_.edges[static_cast<std::size_t>(edge)];
+// Next to a vertex that rides on this obstacle its own rows keep the cloth out.
+bool NarrowPhase::is_guarded_by_end(int halfedge, double s) const {
+  const int end = s < 0.5 ? cloth_.mesh.from(halfedge) : cloth_.mesh.to(halfedge);
+  const Vec3 along = cloth_.mesh.x[static_cast<std::size_t>(cloth_.mesh.to(halfedge))] -
+                     cloth_.mesh.x[static_cast<std::size_t>(cloth_.mesh.from(halfedge))];
+  return cloth_.feature[static_cast<std::size_t>(end)].obstacle == obstacle_.index &&
+         std::min(s, 1 - s) * along.norm() <= options_.threshold;
+}
+
+std::optional<Contact> NarrowPhase::edge_edge(int halfedge, const PlacedEdge& e, const FeatureId& id) const {
   const std::array<int, 2> ends{cloth_.mesh.from(halfedge), cloth_.mesh.to(halfedge)};
   const std::array<Vec3, 2> x{cloth_.mesh.x[static_cast<std::size_t>(ends[0])],
                               cloth_.mesh.x[static_cast<std::size_t>(ends[1])]};
@@ -168,7 +176,7 @@ std::optional<Contact> NarrowPhase::edge_edge(int halfedge, int edge) const {
   if (toward < -interval_slack * across2 || toward > (1 + interval_slack) * across2) return std::nullopt;
   if (!(across2 > parallel_sine * parallel_sine * (x[1] - x[0]).squaredNorm())) return std::nullopt;
   for (const int i : ends) {
-    if (on_feature(i, FeatureKind::Edge, edge)) return std::nullopt;
+    if (on_feature(i, id.kind, id.index)) return std::nullopt;
     for (const int corner : e.corners) {
       // A cloth edge that starts at the edge's own end meets it there and nowhere else.
       if (corner >= 0 && on_feature(i, FeatureKind::Corner, corner)) return std::nullopt;
@@ -177,6 +185,7 @@ std::optional<Contact> NarrowPhase::edge_edge(int halfedge, int edge) const {
   const double s = std::clamp(toward / across2, 0.0, 1.0);
   const double t = along[0] + s * (along[1] - along[0]);
   if (t < -slack || t > e.length + slack) return std::nullopt;
+  if (id.kind == FeatureKind::None && is_guarded_by_end(halfedge, s)) return std::nullopt;
 
   const Vec3 velocity = (1 - s) * relative_velocity(ends[0]) + s * relative_velocity(ends[1]);
   Vec3 normal = across.cross(e.tangent).normalized();
@@ -188,12 +197,12 @@ std::optional<Contact> NarrowPhase::edge_edge(int halfedge, int edge) const {
     normal = -normal;
     distance = -distance;
   }
-  if (!e.free_cone && !in_cone(e.normals, normal)) return std::nullopt;
+  if (!e.free_cone && !in_cone(e.normals, normal, e.tolerance)) return std::nullopt;
   const Vec3 on_feature = e.a + std::clamp(t, 0.0, e.length) * e.tangent, on_cloth = on_feature + distance * normal;
   if (!is_way_out({distance, reach(velocity), x, on_cloth, on_feature, e.normals})) return std::nullopt;
 
   Contact contact = make_contact(ContactType::EdgeEdge, on_feature, normal, distance);
-  contact.feature = {obstacle_.index, FeatureKind::Edge, edge};
+  contact.feature = id;
   if (e.free_cone) contact.feature.side = normal.dot(sheet.area) < 0 ? -1 : 1;
   contact.n_vertices = 2;
   contact.vertices = {ends[0], ends[1], -1};

@@ -33,12 +33,14 @@ class NarrowPhase {
 
   /// One at most on a convex solid; in a groove, one with each side.
   std::vector<Contact> vertex_face(int vertex) const;
-  std::optional<Contact> edge_edge(int halfedge, int edge) const;
+  /// `edge` is the obstacle's; `id` names it: kind Edge if it is sharp, None if it is blunt.
+  std::optional<Contact> edge_edge(int halfedge, const PlacedEdge& edge, const FeatureId& id) const;
   std::optional<Contact> corner_face(int corner, int face) const;
 
  private:
   Vec3 relative_velocity(int vertex) const;
   double reach(const Vec3& velocity) const;
+  bool is_guarded_by_end(int halfedge, double s) const;
   bool on_feature(int vertex, FeatureKind kind, int index) const;
   int side_of_sheet(std::span<const int> vertices) const;
   Vec3 rim_normal(int vertex, std::span<const Vec3> normals, const Vec3& mean) const;

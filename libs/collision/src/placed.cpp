@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "placed.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "crease/base/require.hpp"
 #include "crease/geometry/normal_cone.hpp"
 
@@ -47,6 +50,13 @@ PlacedObstacle place(const PosedObstacle& obstacle, int index) {
     placed.edges.push_back(place_edge(edge, obstacle.pose));
     placed.bounds.extend(placed.edges.back().a);
     placed.bounds.extend(obstacle.pose.to_world(edge.b));
+  }
+  for (const SharpEdge& edge : shape.blunt_edges) {
+    PlacedEdge& blunt = placed.blunt_edges.emplace_back(place_edge(edge, obstacle.pose));
+    // Else an edge of the cloth on a finely meshed round would touch all that bends within the tolerance.
+    const double bend =
+        std::atan2(blunt.normals[0].cross(blunt.normals[1]).norm(), blunt.normals[0].dot(blunt.normals[1]));
+    blunt.tolerance = std::min(cone_tolerance, bend);
   }
   for (const FacePlane& plane : shape.planes) {
     const Vec3 normal = obstacle.pose.rotation * plane.normal;

@@ -131,6 +131,10 @@ void Converter::convert(const Contact& contact, std::vector<Contact>& out) {
     }
     return;
   }
+  if (contact.feature.kind == FeatureKind::None) {  // a blunt edge is surface
+    out.push_back(contact);
+    return;
+  }
   const Feature feature = feature_at(contact.feature, obstacles_, contact.point);
   const int vertex = standing_vertex(contact);
   if (!feature.normals.empty()) {

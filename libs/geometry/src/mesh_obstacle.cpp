@@ -73,6 +73,7 @@ class FeatureFinder {
   bool bends_outwards(int t, int k) const;
   void number_patches();
   void collect_creases();
+  void add_blunt_edges(ObstacleShape& shape) const;
   std::array<int, 2> run_through(int crease, ObstacleShape& shape) const;
   void mark(int crease, ObstacleShape& shape) const;
   int next_in_run(int crease, int vertex, const Crease& first) const;
@@ -135,6 +136,19 @@ void FeatureFinder::collect_creases() {
                           (mesh.vertices[b] - mesh.vertices[a]).normalized(),
                           {surface_.normal(t), surface_.normal(other)},
                           {patch_[t], patch_[other]}});
+    }
+  }
+}
+
+void FeatureFinder::add_blunt_edges(ObstacleShape& shape) const {
+  const auto& mesh = surface_.mesh();
+  for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int other = surface_.across(t, k);
+      if (other < t || bend(t, k) > sharp_angle_ || bend(t, k) <= same_direction || !bends_outwards(t, k)) continue;
+      SharpEdge edge{mesh.vertices[mesh.triangles[t][k]], mesh.vertices[mesh.triangles[t][(k + 1) % 3]]};
+      edge.normals = {surface_.normal(t), surface_.normal(other)};
+      shape.blunt_edges.push_back(std::move(edge));
     }
   }
 }
@@ -219,6 +233,7 @@ int FeatureFinder::corner_at(int vertex, ObstacleShape& shape) {
 void FeatureFinder::fill(ObstacleShape& shape) {
   number_patches();
   collect_creases();
+  add_blunt_edges(shape);
   shape.patch = patch_;
   shape.edge_at.assign(patch_.size(), {-1, -1, -1});
   shape.corner_at.assign(surface_.mesh().vertices.size(), -1);

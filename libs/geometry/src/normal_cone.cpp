@@ -66,10 +66,10 @@ Vec3 nearest_in_cone(std::span<const Vec3> normals, const Vec3& direction) {
   return best;
 }
 
-bool in_cone(std::span<const Vec3> normals, const Vec3& direction) {
-  if (normals.size() == 1) return normals[0].dot(direction) > std::sin(cone_tolerance);
+bool in_cone(std::span<const Vec3> normals, const Vec3& direction, double tolerance) {
+  if (normals.size() == 1) return normals[0].dot(direction) > std::sin(tolerance);
   const Vec3 nearest = nearest_in_cone(normals, direction);
-  return std::atan2(nearest.cross(direction).norm(), nearest.dot(direction)) <= cone_tolerance;
+  return std::atan2(nearest.cross(direction).norm(), nearest.dot(direction)) <= tolerance;
 }
 
 }  // namespace crease

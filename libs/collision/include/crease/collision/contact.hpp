@@ -11,7 +11,7 @@ namespace crease {
 
 enum class ContactType {
   VertexFace,  ///< a cloth vertex at an obstacle face (or near its rim)
-  EdgeEdge,    ///< a cloth edge across a sharp obstacle edge
+  EdgeEdge,    ///< a cloth edge across an obstacle edge
   CornerFace   ///< a sharp obstacle corner at a cloth face
 };
 
@@ -19,7 +19,7 @@ enum class ContactType {
 struct Contact {
   ContactType type = ContactType::VertexFace;
   int obstacle = -1;
-  FeatureId feature;   ///< the sharp edge or corner; kind None for VertexFace
+  FeatureId feature;   ///< the sharp edge or corner; kind None for VertexFace, and with the index of a blunt edge
   int n_vertices = 0;  ///< cloth vertices involved: 1, 2 or 3
   std::array<int, 3> vertices{-1, -1, -1};
   std::array<double, 3> weights{0, 0, 0};  ///< cloth point = sum weights * x[vertices], sum = 1

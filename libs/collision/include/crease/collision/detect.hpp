@@ -28,7 +28,8 @@ struct DetectOptions {
 ///    but up.
 ///  - EdgeEdge: a cloth edge that crosses a sharp edge near it: closest points inside both segments, not parallel
 ///    (angle > 2 degrees), the common normal inside the cone of the feature's normals (tolerance 2 degrees). Of a wire,
-///    the normal points to the side the cloth is on.
+///    the normal points to the side the cloth is on. Blunt edges of a mesh are met alike (the tolerance is at most
+///    their bend), but for what is within the threshold of a vertex that rides on the obstacle.
 ///  - CornerFace: a corner whose projection falls into a cloth face, the face normal (turned outward) in the cone; of a
 ///    tip with one normal, in its half space.
 /// Segments and faces are closed, so a feature that passes exactly through a cloth vertex is reported, with weights 0

@@ -18,8 +18,8 @@ Vec3 mean_normal(std::span<const Vec3> normals);
 /// Outside the half space of all of them, the normal nearest to it.
 Vec3 nearest_in_cone(std::span<const Vec3> normals, const Vec3& direction);
 
-/// Whether a unit direction lies in the cone, up to cone_tolerance. A single normal is the axis of a tip, which
+/// Whether a unit direction lies in the cone, up to `tolerance` [rad]. A single normal is the axis of a tip, which
 /// supports every plane that leaves the axis on its outer side: its cone is the half space.
-bool in_cone(std::span<const Vec3> normals, const Vec3& direction);
+bool in_cone(std::span<const Vec3> normals, const Vec3& direction, double tolerance = cone_tolerance);
 
 }  // namespace crease

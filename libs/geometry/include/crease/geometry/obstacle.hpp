@@ -67,6 +67,9 @@ struct ObstacleShape {
   std::vector<std::array<int, 3>> triangles;  ///< outward orientation
   std::vector<SharpCorner> corners;
   std::vector<SharpEdge> edges;
+  /// Mesh only: what bends outwards less than the sharp angle. No vertex rides there, but it holds up a cloth edge that
+  /// lies across. One a mesh edge, without corners.
+  std::vector<SharpEdge> blunt_edges;
   std::vector<FacePlane> planes;  ///< of a convex solid with few faces and no acute edge, local; else empty
   /// Mesh only: its surface for queries, and where the features are on it.
   std::shared_ptr<const ClosedSurface> surface;
@@ -88,10 +91,10 @@ ObstacleShape make_wire(const std::vector<Vec3>& points);
 
 /// A closed triangle mesh. Edges that bend outwards by more than `sharp_angle` [rad] become features, a straight run of
 /// them one; so do the corners in which they end, if a sheet can rest on them in more ways than one: at a corner whose
-/// outward normals leave it no room, as where a ridge runs into a wall, an edge just ends. Edges that bend less, and
-/// those that bend inwards, are surface and nothing else; so is the tip of a cone that is round enough to have no sharp
-/// edge. Vertices of no triangle are dropped.
-/// Throws std::invalid_argument with the first of surface_problems().  @pre sharp_angle > 0
+/// outward normals leave it no room, as where a ridge runs into a wall, an edge just ends. Edges that bend
+/// outwards less are blunt edges, those that bend inwards are surface and nothing else; so is the tip of a cone that is
+/// round enough to have no sharp edge. Vertices of no triangle are dropped. Throws std::invalid_argument with the first
+/// of surface_problems().  @pre sharp_angle > 0
 ObstacleShape make_mesh(const TriangleSurface& surface, double sharp_angle);
 
 /// Velocity that holds until the next entry.
