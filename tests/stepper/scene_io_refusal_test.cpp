@@ -106,6 +106,7 @@ TEST_F(SceneIo, RangesAreChecked) {
       {"\"cells\": [8, 8]", "\"cells\": [0, 8]", "/cloths/0/shape/grid/cells/0", ">= 1"},
       {"\"cells\": [8, 8]", "\"cells\": [8.5, 8]", "/cloths/0/shape/grid/cells/0", "an integer"},
       {"\"cells\": [8, 8]", "\"cells\": [4000, 4000]", "/cloths/0/shape/grid/cells", "a million"},
+      {"\"size\": [0.02, 0.2]", "\"size\": [1e-4, 2e-4]", "/cloths/0/remeshing/size", "a million"},
       {"\"cross\"", "\"crss\"", "/cloths/0/shape/grid/pattern", "did you mean \"cross\"?"},
       {"\"seed\": 1", "\"seed\": -1", "/cloths/0/shape/grid/seed", ">= 0"},
       {"\"u\": [1, 0, 0]", "\"u\": [0, 0, 0]", "/cloths/0/placement/u", "not be zero"},

@@ -25,6 +25,7 @@ struct Frame {
   std::vector<Vec2> X;
   std::vector<std::array<int, 3>> faces;
   std::vector<int> eol;  // 0-based
+  double released = 0;   // EOL vertices let go until then, where the run tells
 };
 
 inline Frame read_frame(const std::filesystem::path& file) {

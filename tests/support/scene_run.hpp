@@ -14,6 +14,7 @@
 #include "crease/stepper/run.hpp"
 #include "crease/stepper/scene_io.hpp"
 #include "support/frames.hpp"
+#include "support/runs.hpp"
 
 namespace crease::testing {
 
@@ -30,6 +31,10 @@ inline std::vector<Frame> run_shipped(const std::string& name, std::vector<std::
   const RunResult result = run_scene(scene, options);
   EXPECT_EQ(result.status, RunStatus::Done) << result.message;
   auto frames = read_frames(options.directory);
+  const auto steps = read_steps(options.directory);
+  for (Frame& frame : frames)
+    for (std::size_t k = 0; k < steps.at("time").size() && steps.at("time")[k] <= frame.time + 1e-9; ++k)
+      frame.released += steps.at("released")[k];
   std::filesystem::remove_all(options.directory);
   return frames;
 }

@@ -66,6 +66,10 @@ void check_remeshing(const Scene& scene, const ClothSpec& cloth, const std::stri
                    "is missing; adaptive and conformal remeshing need the shortest and the longest edge, such as "
                    "[0.02, 0.2] m");
     if (shortest > longest) problems.add(size, "the shortest edge must not be longer than the longest");
+    if (const auto* grid = std::get_if<GridOptions>(&cloth.shape);
+        grid != nullptr && cloth.remeshing != RemeshMethod::None && longest > 0 &&
+        grid->size[0] / longest * (grid->size[1] / longest) > most_cells)
+      problems.add(size, "asks for more than a million cells: the longest edge must be longer");
   }
   if (!scene.obstacles.empty() && scene.contact == ContactMethod::Eol && cloth.remeshing != RemeshMethod::Conformal &&
       !problems.under(pointer + "/remeshing") && !problems.under("/contact"))
