@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "conforming.hpp"
+#include "crease/geometry/distance.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
@@ -41,6 +42,9 @@ constexpr double least_foot_share = 0.5;
 // Way that a chain cannot do without, as a share of what it would reach in the time ahead: of seven steps 4.55, since
 // one may cross 0.3 of a triangle and the next look is a step away.
 constexpr double need_share = 0.65;
+// Nor may a new edge run deeper than this share of `snap` inside a feature, unless what is in the way is within
+// last_share: vertices that hover over a gap in a chain are all that keeps the cloth from cutting through there.
+constexpr double inside_share = 0.5;
 // Operations per EOL vertex and call.
 constexpr int budget_per_vertex = 10;
 constexpr int least_budget = 50;
@@ -50,6 +54,7 @@ struct Permission {
   double turn;   // of a face normal, or across a flipped edge [rad]
   double shift;  // of the surface in the world [m]
   double angle;  // that a triangle may have, or it had less before [rad]
+  bool cut;      // a feature may be cut
 };
 
 class Merger {
@@ -80,6 +85,8 @@ class Merger {
   bool shorten_chain(int v);
   bool drop_dangling(int v, int q);
   bool absorb_neighbours(int v);
+  bool cuts_feature(const Vec3& a, const Vec3& b) const;
+  bool cuts_feature(int r, const Target& target) const;
   void judge(Way& way, int r, const Target& target, const Permission& allowed) const;
   Way best_vertex(int r, const Permission& allowed) const;
   Way best_foot(int r, const Permission& allowed) const;
@@ -102,8 +109,8 @@ double Merger::clearance(int v) const {
 }
 
 Permission Merger::permission(double room) const {
-  if (room < need_) return {1.2, c_.merge(0.5), 0};
-  return {0.35, good_shift_share * c_.options.snap, least_angle};
+  if (room < need_) return {1.2, c_.merge(0.5), 0, room < c_.merge(last_share)};
+  return {0.35, good_shift_share * c_.options.snap, least_angle, false};
 }
 
 // Height of corner v over the opposite side of a face.
@@ -183,12 +190,38 @@ bool Merger::absorb_neighbours(int v) {
   return false;
 }
 
+// Whether a straight mesh edge would pass a sharp edge of a solid on the inside.
+bool Merger::cuts_feature(const Vec3& a, const Vec3& b) const {
+  for (int o = 0; o < static_cast<int>(c_.obstacles.size()); ++o) {
+    const ObstacleShape& shape = *c_.obstacles[o].shape;
+    if (shape.triangles.empty()) continue;
+    for (int e = 0; e < static_cast<int>(shape.edges.size()); ++e) {
+      const FeatureId feature{o, FeatureKind::Edge, e};
+      const WorldEdge edge = world_edge(feature, c_.obstacles);
+      const SegmentPair near = closest_segments(a, b, edge.a, edge.a + edge.length * edge.tangent);
+      if (near.distance > c_.merge(1)) continue;
+      if (stand_off(feature, c_.obstacles, (1 - near.s) * a + near.s * b) < -inside_share * c_.options.snap)
+        return true;
+    }
+  }
+  return false;
+}
+
+bool Merger::cuts_feature(int r, const Target& target) const {
+  const std::vector<int> around = mesh().neighbours(r);
+  return std::any_of(around.begin(), around.end(), [&](int s) {
+    return s != target.a && s != target.b && mesh().find_edge(target.a, s) == Mesh::none &&
+           cuts_feature(target.x, mesh().x[s]);
+  });
+}
+
 // Triangles may stay as thin as they were: another vertex may be the cause, and its turn comes.
 void Merger::judge(Way& way, int r, const Target& target, const Permission& allowed) const {
   const Ring ring = ring_after(cloth(), r, target);
   if (!ring.sound || ring.turn > allowed.turn || ring.angle < std::min(allowed.angle, ring.angle_before)) return;
   if (ring.altitude < std::min(clear_ * thin_share, ring.altitude_before)) return;
   way.shift = shift_after(cloth(), r, target, ring);
+  if (!allowed.cut && way.shift > good_shift_share * c_.options.snap && cuts_feature(r, target)) return;
   if (way.shift <= allowed.shift) way.altitude = ring.altitude;
 }
 
@@ -245,6 +278,9 @@ bool Merger::open_faces(int v) {
     const Permission allowed = permission(room);
     if (!check.sound || check.dihedral > allowed.turn || flip_shift(mesh(), longest) > allowed.shift ||
         check.altitude < flip_gain * check.altitude_before)
+      continue;
+    if (!allowed.cut &&
+        cuts_feature(mesh().x[mesh().opposite(longest)], mesh().x[mesh().opposite(mesh().twin(longest))]))
       continue;
     if (room >= way(forced_share)) {
       // What adapt() would flip back is left alone.
