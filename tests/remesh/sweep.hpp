@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "crease/collision/detect.hpp"
+#include "crease/geometry/feature_place.hpp"
 #include "crease/geometry/grid.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "crease/remesh/remesh.hpp"
@@ -217,21 +218,18 @@ class Sweep {
     return open;
   }
 
+  static bool is_of(const FeatureId& f, const FeatureId& feature, const std::vector<PosedObstacle>& posed) {
+    return feature.kind == FeatureKind::Edge ? lies_on(f, feature, posed) : f == feature;
+  }
+
   // Vertices of a chain nearer than 0.75 of merge become one, so such a vertex stands for the crossing.
   bool is_taken(const FeatureId& feature, const Vec2& X) const {
+    const std::vector<PosedObstacle> posed = obstacles(poses_);
     for (int v = 0; v < cloth_.mesh.n_vertices(); ++v)
-      if (cloth_.is_eol(v) && lies_on(cloth_.feature[v], feature) &&
+      if (cloth_.is_eol(v) && is_of(cloth_.feature[v], feature, posed) &&
           (cloth_.mesh.X[v] - X).norm() < 0.75 * conforming_.merge)
         return true;
     return false;
-  }
-
-  bool lies_on(const FeatureId& f, const FeatureId& feature) const {
-    if (f == feature) return true;
-    if (feature.kind != FeatureKind::Edge || f.kind != FeatureKind::Corner || f.obstacle != feature.obstacle)
-      return false;
-    const std::array<int, 2>& corners = shapes_[feature.obstacle].edges[feature.index].corners;
-    return f.index == corners[0] || f.index == corners[1];
   }
 
   void judge() {
@@ -299,7 +297,7 @@ class Sweep {
         std::vector<std::pair<double, int>> order;
         for (int v = 0; v < cloth_.mesh.n_vertices(); ++v) {
           const FeatureId& f = cloth_.feature[v];
-          if (lies_on(f, {o, FeatureKind::Edge, e})) order.emplace_back(t.dot(cloth_.mesh.x[v] - a), v);
+          if (lies_on(f, {o, FeatureKind::Edge, e}, posed)) order.emplace_back(t.dot(cloth_.mesh.x[v] - a), v);
         }
         std::sort(order.begin(), order.end());
         for (std::size_t i = 0; i + 1 < order.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "crease/base/require.hpp"
+#include "crease/geometry/feature_place.hpp"
 #include "crease/geometry/normal_cone.hpp"
 
 namespace crease {
@@ -24,14 +25,11 @@ struct Feature {
 
 Feature feature_at(const FeatureId& id, std::span<const PosedObstacle> obstacles, const Vec3& x) {
   const auto& [shape, pose] = obstacles[id.obstacle];
-  Feature feature{id};
+  Feature feature{id, nearest_on(id, obstacles, x)};
   if (id.kind == FeatureKind::Corner) {
-    feature.point = pose.to_world(shape->corners[id.index].position);
     feature.normals = shape->corners[id.index].normals;
   } else {
     const SharpEdge& edge = shape->edges[id.index];
-    const Vec3 a = pose.to_world(edge.a), along = pose.rotation * (edge.b - edge.a);
-    feature.point = a + std::clamp(along.dot(x - a) / along.squaredNorm(), 0.0, 1.0) * along;
     if (!edge.free_cone) feature.normals.assign(edge.normals.begin(), edge.normals.end());
   }
   for (Vec3& n : feature.normals) n = pose.rotation * n;
@@ -169,13 +167,9 @@ void Converter::add_standing_on_wires(std::vector<Contact>& out) const {
 
 // An edge of the obstacle on which both vertices are; 0 = none.
 int common_tag(const FeatureId& a, const FeatureId& b, std::span<const PosedObstacle> obstacles) {
-  const auto is_on = [&](const FeatureId& v, const FeatureId& edge) {
-    if (v.obstacle != edge.obstacle || v.kind != FeatureKind::Corner) return v == edge;
-    const auto& ends = obstacles[edge.obstacle].shape->edges[edge.index].corners;
-    return ends[0] == v.index || ends[1] == v.index;
-  };
   for (const FeatureId& edge : {a, b})
-    if (edge.kind == FeatureKind::Edge && is_on(a, edge) && is_on(b, edge)) return edge_tag(edge.obstacle, edge.index);
+    if (edge.kind == FeatureKind::Edge && lies_on(a, edge, obstacles) && lies_on(b, edge, obstacles))
+      return edge_tag(edge.obstacle, edge.index);
   return 0;
 }
 

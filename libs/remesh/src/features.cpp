@@ -17,21 +17,6 @@ bool exists(const FeatureId& feature, Obstacles obstacles) {
   return feature.index < static_cast<int>(n);
 }
 
-WorldEdge world_edge(const FeatureId& edge, Obstacles obstacles) {
-  const PosedObstacle& obstacle = obstacles[edge.obstacle];
-  const SharpEdge& local = obstacle.shape->edges[edge.index];
-  const double length = (local.b - local.a).norm();
-  return {obstacle.pose.to_world(local.a), obstacle.pose.rotation * (local.b - local.a) / length, length};
-}
-
-Vec3 nearest_on(const FeatureId& feature, Obstacles obstacles, const Vec3& x) {
-  const PosedObstacle& obstacle = obstacles[feature.obstacle];
-  if (feature.kind == FeatureKind::Corner)
-    return obstacle.pose.to_world(obstacle.shape->corners[feature.index].position);
-  const WorldEdge edge = world_edge(feature, obstacles);
-  return edge.a + std::clamp(edge.parameter(x), 0.0, edge.length) * edge.tangent;
-}
-
 double stand_off(const FeatureId& feature, Obstacles obstacles, const Vec3& x) {
   const PosedObstacle& obstacle = obstacles[feature.obstacle];
   const Vec3 away = x - nearest_on(feature, obstacles, x);
@@ -51,13 +36,6 @@ double stand_off(const FeatureId& feature, Obstacles obstacles, const Vec3& x) {
 
 Vec3 velocity_at(const FeatureId& feature, Obstacles obstacles, const Vec3& x) {
   return obstacles[feature.obstacle].pose.velocity_at(x);
-}
-
-bool lies_on(const FeatureId& vertex, const FeatureId& edge, Obstacles obstacles) {
-  if (vertex == edge) return true;
-  if (vertex.kind != FeatureKind::Corner || vertex.obstacle != edge.obstacle) return false;
-  const SharpEdge& local = obstacles[edge.obstacle].shape->edges[edge.index];
-  return local.corners[0] == vertex.index || local.corners[1] == vertex.index;
 }
 
 bool gives_way(const FeatureId& edge, const FeatureId& other, Obstacles obstacles) {

@@ -4,27 +4,15 @@
 #include <span>
 
 #include "crease/geometry/cloth.hpp"
+#include "crease/geometry/feature_place.hpp"
 #include "crease/geometry/obstacle.hpp"
 
 namespace crease {
 
 using Obstacles = std::span<const PosedObstacle>;
 
-/// A sharp edge where it is now.
-struct WorldEdge {
-  Vec3 a, tangent;  ///< starts at a; unit tangent
-  double length;
-  double parameter(const Vec3& x) const { return (x - a).dot(tangent); }  ///< [m], in [0, length] on the edge
-};
-
 /// Whether the feature's obstacle, and on it the feature, is there.
 bool exists(const FeatureId& feature, Obstacles obstacles);
-
-/// @pre exists(edge), kind Edge
-WorldEdge world_edge(const FeatureId& edge, Obstacles obstacles);
-
-/// The point of the feature that is closest to x.
-Vec3 nearest_on(const FeatureId& feature, Obstacles obstacles, const Vec3& x);
 
 /// How far x stands off the feature: the largest of its signed distances from the planes that meet there, as the solver
 /// sees them; the distance from a wire; that from a point, negative behind it [m].
@@ -32,9 +20,6 @@ double stand_off(const FeatureId& feature, Obstacles obstacles, const Vec3& x);
 
 /// Velocity of the feature's obstacle at x.
 Vec3 velocity_at(const FeatureId& feature, Obstacles obstacles, const Vec3& x);
-
-/// Whether a vertex that rides on `vertex` is on the edge: EOL on it, or at a corner where it ends.
-bool lies_on(const FeatureId& vertex, const FeatureId& edge, Obstacles obstacles);
 
 /// Whether an edge's chain makes way where it crosses the other's: the later one does, unless they meet in a corner.
 bool gives_way(const FeatureId& edge, const FeatureId& other, Obstacles obstacles);
