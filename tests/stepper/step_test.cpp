@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "crease/geometry/grid.hpp"
 
@@ -177,6 +179,40 @@ TEST(Step, LeavesTheGivenClothAloneAndRefusesWhatIsNotFinite) {
     *places[number] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(stepper.step(broken, {}, 0, 0.01), std::invalid_argument) << number;
   }
+}
+
+/// What a pass reports that maps `from` and refuses at these vertices; without a map it changed nothing.
+RemeshResult pass(std::vector<int> from, std::vector<int> refused) {
+  RemeshResult result;
+  result.report.changed = !from.empty();
+  result.report.splits = 1;
+  result.report.vertex_map = std::move(from);
+  for (const int v : refused) result.report.refusals.push_back({.reason = RefusalReason::TooThin, .vertex = v});
+  return result;
+}
+
+std::vector<int> refused_vertices(const RemeshResult& result) {
+  std::vector<int> vertices;
+  for (const Refusal& refusal : result.report.refusals) vertices.push_back(refusal.vertex);
+  return vertices;
+}
+
+TEST(ChainedPasses, MapAndRefusalsAreInTheNumberingOfTheResult) {
+  const int none = Mesh::none;
+  // 3 vertices -> 5, of which the second pass takes away two and renumbers the rest.
+  const std::vector<int> first{4, none, 0}, second{2, none, 0, none, 1};
+  const RemeshResult both = chain_passes(pass(first, {0, 3, 4, none}), pass(second, {1}));
+  EXPECT_EQ(both.report.vertex_map, (std::vector<int>{1, none, 2}));
+  EXPECT_EQ(refused_vertices(both), (std::vector<int>{2, none, 1, none, 1}));
+  EXPECT_EQ(both.report.splits, 2);
+
+  const RemeshResult only_second = chain_passes(pass({}, {0, 4}), pass(second, {1}));
+  EXPECT_EQ(only_second.report.vertex_map, second);
+  EXPECT_EQ(refused_vertices(only_second), (std::vector<int>{2, 1, 1}));
+
+  const RemeshResult only_first = chain_passes(pass(first, {3}), pass({}, {1}));
+  EXPECT_EQ(only_first.report.vertex_map, first);
+  EXPECT_EQ(refused_vertices(only_first), (std::vector<int>{3, 1}));
 }
 
 }  // namespace

@@ -30,32 +30,6 @@ double merge_distance(const Cloth& cloth, const AdaptOptions& options) {
   return std::min(merge_share_of_length * material_length(cloth), merge_share_of_size * options.size[0]);
 }
 
-/// Two passes as one: the second starts from the first one's result.
-RemeshResult chain_passes(RemeshResult first, RemeshResult second) {
-  if (!second.report.changed) {
-    first.report.smallest_angle = second.report.smallest_angle;
-    first.report.refusals.insert(first.report.refusals.end(), second.report.refusals.begin(),
-                                 second.report.refusals.end());
-    return first;
-  }
-  RemeshReport& a = first.report;
-  RemeshReport& b = second.report;
-  if (a.changed) {
-    for (int& v : a.vertex_map) v = v == Mesh::none ? Mesh::none : b.vertex_map[v];
-    b.vertex_map = std::move(a.vertex_map);
-    for (Refusal& r : a.refusals) r.vertex = r.vertex == Mesh::none ? Mesh::none : b.vertex_map[r.vertex];
-  }
-  b.inserted += a.inserted;
-  b.released += a.released;
-  b.splits += a.splits;
-  b.flips += a.flips;
-  b.collapses += a.collapses;
-  b.before = a.before;
-  b.momentum_change += a.momentum_change;
-  b.refusals.insert(b.refusals.begin(), a.refusals.begin(), a.refusals.end());
-  return second;
-}
-
 using RemeshStage = decltype(Stages::remesh);
 
 /// Conformal remeshing of a method without Eulerian unknowns: the mesh follows features as ever, but its vertices are
@@ -88,6 +62,32 @@ decltype(Stages::constrain) lagrangian_rows(const Scene& scene) {
 }
 
 }  // namespace
+
+RemeshResult chain_passes(RemeshResult first, RemeshResult second) {
+  if (!second.report.changed) {
+    first.report.smallest_angle = second.report.smallest_angle;
+    first.report.refusals.insert(first.report.refusals.end(), second.report.refusals.begin(),
+                                 second.report.refusals.end());
+    return first;
+  }
+  RemeshReport& a = first.report;
+  RemeshReport& b = second.report;
+  const auto renumbered = [&b](int between) { return between == Mesh::none ? Mesh::none : b.vertex_map[between]; };
+  for (Refusal& r : a.refusals) r.vertex = renumbered(r.vertex);
+  if (a.changed) {
+    for (int& v : a.vertex_map) v = renumbered(v);
+    b.vertex_map = std::move(a.vertex_map);
+  }
+  b.inserted += a.inserted;
+  b.released += a.released;
+  b.splits += a.splits;
+  b.flips += a.flips;
+  b.collapses += a.collapses;
+  b.before = a.before;
+  b.momentum_change += a.momentum_change;
+  b.refusals.insert(b.refusals.begin(), a.refusals.begin(), a.refusals.end());
+  return second;
+}
 
 Stages make_stages(const Scene& scene, const ClothSpec& spec) {
   Stages stages;

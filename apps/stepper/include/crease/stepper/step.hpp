@@ -95,6 +95,10 @@ class SheetStepper {
 /// The shipped stages for a scene's sheet: none that it does not need.
 Stages make_stages(const Scene& scene, const ClothSpec& spec);
 
+/// Two remeshing passes as one, the second of which began with the cloth of the first: reports added up, the map and
+/// the refusals in the numbering of the second's result.
+RemeshResult chain_passes(RemeshResult first, RemeshResult second);
+
 /// Mean velocity of a pin over [time, time + h]: exact integral of the smoothed script.
 PinState pin_state(const PinSpec& pin, int index, double time, double h);
 
