@@ -45,6 +45,12 @@ struct Candidate {
   double length;  // squared
   int a, b;       // a < b
 };
+bool is_long(const Candidate& edge) {
+  return edge.length > split_above * split_above;
+}
+bool is_short(const Candidate& edge) {
+  return edge.length <= collapse_candidate * collapse_candidate;
+}
 // Ties fall to the lower vertex ids, so the order never depends on how the queue is built.
 bool later_split(const Candidate& p, const Candidate& q) {
   return std::tie(p.length, q.a, q.b) < std::tie(q.length, p.a, p.b);
@@ -69,10 +75,11 @@ class Adapter {
     make_room_for_chains();
     for (int round = 0; round < max_rounds && !spent_; ++round) {
       touched_.clear();
-      flip_around(edges_);
-      look_again();
+      look_at_edges();
+      flip_around(worse_);
+      if (look_again()) look_at_edges();
       split_long_edges();
-      look_again();
+      if (look_again()) look_at_edges();
       collapse_short_edges();
       if (touched_.empty()) break;
       edges_ = edges_at(touched_);
@@ -98,6 +105,8 @@ class Adapter {
 
   void make_room_for_chains();
   void flip_around(std::vector<int> stack);
+  std::array<int, 3> corners_from(int h) const;
+  bool is_worse_diagonal(int h) const;
   std::optional<double> should_flip(int h);
   void split_long_edges();
   void split(int h, Queue& queue);
@@ -107,11 +116,13 @@ class Adapter {
   void collapse(int p, int q, double moved, Queue& queue);
 
   void touch(const std::vector<int>& faces);
-  void look_again();
+  bool look_again();
+  void look_at_edges();
   std::vector<int> edges_at(const std::vector<int>& vertices) const;
   std::vector<int> halfedges_around(int vertex) const;
+  Candidate candidate(int h) const;
   void push_splits(Queue& queue, const std::vector<int>& halfedges) const;
-  void push_collapses(Queue& queue, const std::vector<int>& halfedges) const;
+  void push_collapse(Queue& queue, const Candidate& edge) const;
   GuardLimits limits(double moved) const { return {shift_allowed_ - moved, normal_turn, surroundings_}; }
   std::optional<double> allowed(const Verdict& verdict, double moved);
   double moved_around(int vertex) const;
@@ -127,6 +138,9 @@ class Adapter {
   std::vector<int> edges_;    // what this round looks at
   std::vector<int> touched_;  // corners of the faces that it changed
   int n_seen_ = 0;            // operations when edges_ was made
+  // What looking at edges_ found: what to flip, split and try to collapse.
+  std::vector<int> worse_;
+  std::vector<Candidate> long_, short_;
 };
 
 // A face of the wanted size has a metric area of about 1/4 (edges of L = 0.75); strips narrower than an edge have no
@@ -177,17 +191,18 @@ void Adapter::touch(const std::vector<int>& faces) {
     for (const int v : mesh().face(f)) touched_.push_back(v);
 }
 
-// Operations rename edges and make new ones: then the list is made anew, wherever this round looks.
-void Adapter::look_again() {
-  if (operations() == n_seen_) return;
+// Operations rename edges and make new ones: then the list is made anew, wherever this round looks. Returns whether.
+bool Adapter::look_again() {
+  if (operations() == n_seen_) return false;
   n_seen_ = operations();
   if (everywhere_) {
     edges_ = mesh().edges();
-    return;
+    return true;
   }
   for (const int h : edges_)
     if (mesh().face_live(Mesh::face_of(h))) touched_.insert(touched_.end(), {mesh().from(h), mesh().to(h)});
   edges_ = edges_at(touched_);
+  return true;
 }
 
 std::vector<int> Adapter::edges_at(const std::vector<int>& vertices) const {
@@ -214,20 +229,35 @@ std::vector<int> Adapter::halfedges_around(int vertex) const {
   return result;
 }
 
-void Adapter::push_splits(Queue& queue, const std::vector<int>& halfedges) const {
-  for (const int h : halfedges) {
-    const auto [a, b] = std::minmax({mesh().from(h), mesh().to(h)});
-    if (const double L2 = squared_length(a, b); L2 > split_above * split_above) queue.push({L2, a, b});
+// The corners of h's face: where h begins, where it ends, and the one opposite.
+std::array<int, 3> Adapter::corners_from(int h) const {
+  const int f = h / 3, k = h - 3 * f;
+  const std::array<int, 3>& corners = mesh().face(f);
+  return {corners[k], corners[k == 2 ? 0 : k + 1], corners[k == 0 ? 2 : k - 1]};
+}
+
+Candidate Adapter::candidate(int h) const {
+  const auto [from, to, opposite] = corners_from(h);
+  return {squared_length(from, to), std::min(from, to), std::max(from, to)};
+}
+
+void Adapter::look_at_edges() {
+  worse_.clear(), long_.clear(), short_.clear();
+  for (const int h : edges_) {
+    if (is_worse_diagonal(h)) worse_.push_back(h);
+    const Candidate edge = candidate(h);
+    if (is_long(edge)) long_.push_back(edge);
+    if (is_short(edge)) short_.push_back(edge);
   }
 }
 
-void Adapter::push_collapses(Queue& queue, const std::vector<int>& halfedges) const {
-  for (const int h : halfedges) {
-    const auto [a, b] = std::minmax({mesh().from(h), mesh().to(h)});
-    const double L2 = squared_length(a, b);
-    if (L2 > collapse_candidate * collapse_candidate) continue;
-    if (leaves_short_edges(a, b) || leaves_short_edges(b, a)) queue.push({L2, a, b});
-  }
+void Adapter::push_splits(Queue& queue, const std::vector<int>& halfedges) const {
+  for (const int h : halfedges)
+    if (const Candidate edge = candidate(h); is_long(edge)) queue.push(edge);
+}
+
+void Adapter::push_collapse(Queue& queue, const Candidate& edge) const {
+  if (leaves_short_edges(edge.a, edge.b) || leaves_short_edges(edge.b, edge.a)) queue.push(edge);
 }
 
 // First of all: it changes no edge, and the rounds see what it leaves. What a slide moves fades from its vertex to the
@@ -245,19 +275,25 @@ void Adapter::make_room_for_chains() {
   }
 }
 
-std::optional<double> Adapter::should_flip(int h) {
-  if (mesh().is_border(h) || mesh().tag(h) != 0) return std::nullopt;
-  const int a = mesh().from(h), b = mesh().opposite(h), c = mesh().to(h), d = mesh().opposite(mesh().twin(h));
-  Mat2 M = (sizes_[a] + sizes_[b] + sizes_[c] + sizes_[d]).matrix();
+// Whether the other diagonal of the quadrilateral round edge h would be the better one.
+bool Adapter::is_worse_diagonal(int h) const {
+  const int g = mesh().twin(h);
+  if (g == Mesh::none || mesh().tag(h) != 0) return false;
+  const auto [a, c, b] = corners_from(h);
+  const int d = corners_from(g)[2];
+  Tensor M = sizes_[a] + sizes_[b] + sizes_[c] + sizes_[d];
   // Next to a chain roundness in material space itself counts: it keeps the chain's way ahead open. But an edge that
   // would only be split again is not made.
-  const std::array quad{a, b, c, d};
-  if (std::any_of(quad.begin(), quad.end(), [&](int v) { return cloth().is_eol(v); })) {
-    if (squared_length(b, d) > std::max(split_above * split_above, squared_length(a, c))) return std::nullopt;
-    M.setIdentity();
+  if (cloth().is_eol(a) || cloth().is_eol(b) || cloth().is_eol(c) || cloth().is_eol(d)) {
+    if (squared_length(b, d) > std::max(split_above * split_above, squared_length(a, c))) return false;
+    M = Tensor::isotropic(1);
   }
-  if (!(opposite_angle_sine(mesh().X[a], mesh().X[b], mesh().X[c], mesh().X[d], M) <= -flip_margin))
-    return std::nullopt;
+  const auto& X = mesh().X;
+  return opposite_angle_sine(X[a], X[b], X[c], X[d], M) <= -flip_margin;
+}
+
+std::optional<double> Adapter::should_flip(int h) {
+  if (!is_worse_diagonal(h)) return std::nullopt;
   const double moved = std::max(moved_[Mesh::face_of(h)], moved_[Mesh::face_of(mesh().twin(h))]);
   return allowed(judge_flip(cloth(), h, limits(moved)), moved);
 }
@@ -281,8 +317,7 @@ void Adapter::flip_around(std::vector<int> stack) {
 }
 
 void Adapter::split_long_edges() {
-  Queue queue(later_split);
-  push_splits(queue, edges_);
+  Queue queue(later_split, std::move(long_));
   while (!queue.empty()) {
     const Candidate top = queue.top();
     queue.pop();
@@ -330,7 +365,7 @@ std::optional<double> Adapter::should_collapse(int p, int q) {
 
 void Adapter::collapse_short_edges() {
   Queue queue(later_collapse);
-  push_collapses(queue, edges_);
+  for (const Candidate& edge : short_) push_collapse(queue, edge);
   while (!queue.empty()) {
     const Candidate top = queue.top();
     queue.pop();
@@ -352,7 +387,8 @@ void Adapter::collapse(int p, int q, double moved, Queue& queue) {
   std::vector<int> sides;
   for (const int f : done.faces) sides.insert(sides.end(), {3 * f, 3 * f + 1, 3 * f + 2});
   flip_around(std::move(sides));
-  push_collapses(queue, halfedges_around(done.into));
+  for (const int h : halfedges_around(done.into))
+    if (const Candidate edge = candidate(h); is_short(edge)) push_collapse(queue, edge);
 }
 
 }  // namespace

@@ -20,12 +20,9 @@ double smallest_material_angle(const Mesh& mesh) {
   double cotangent = 1 / std::sqrt(3.0);  // equilateral: no triangle does better
   for (int f = 0; f < mesh.face_slots(); ++f) {
     if (!mesh.face_live(f)) continue;
-    const auto X = material_corners(mesh, f);
-    const double doubled_area = cross2(X[1] - X[0], X[2] - X[0]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec2 a = X[(k + 1) % 3] - X[k], b = X[(k + 2) % 3] - X[k];
-      cotangent = std::max(cotangent, a.dot(b) / doubled_area);
-    }
+    const auto& [i, j, k] = mesh.face(f);
+    const Vec2 a = mesh.X[j] - mesh.X[i], b = mesh.X[k] - mesh.X[i], c = b - a;
+    cotangent = std::max(cotangent, std::max({a.dot(b), -a.dot(c), b.dot(c)}) / cross2(a, b));
   }
   return std::atan2(1.0, cotangent);
 }

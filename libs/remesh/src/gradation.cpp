@@ -14,13 +14,13 @@ constexpr std::size_t max_visits = 24;  // a vertex, on average
 constexpr double least_rise = 1e-6;
 
 // Raises the tensor at `to` to what `from`, an edge e away, allows it to fall to. Returns whether it did. The first
-// test is that for no growth at all, and nearly always enough in one direction.
+// test is that for no growth at all, and nearly always enough in one direction; the second is that for growth, all
+// multiplied by it.
 bool spread(const Tensor& from, Tensor& to, const Vec2& e) {
   if (encloses(to, from)) return false;
-  const double growth = 1 + std::sqrt(std::max(0.0, from.along(e))) * log_gradation;
-  const Tensor wanted = 1 / (growth * growth) * from;
-  if (encloses(to, wanted)) return false;
-  const Tensor raised = tensor_max(std::array{wanted, to});
+  const double growth = 1 + std::sqrt(std::max(0.0, from.along(e))) * log_gradation, squared = growth * growth;
+  if (encloses(squared * to, from)) return false;
+  const Tensor raised = tensor_max(1 / squared * from, to);
   if (raised.radius <= to.radius * (1 + least_rise)) return false;
   to = raised;
   return true;
@@ -37,10 +37,15 @@ void limit_gradation(const Mesh& mesh, std::vector<Tensor>& tensors) {
     waits[to] = 1;
     queue.push_back(to);
   };
-  for (int h = 0; h < 3 * mesh.face_slots(); ++h) {
-    if (mesh.twin(h) > h || !mesh.face_live(Mesh::face_of(h))) continue;
-    pass_on(mesh.from(h), mesh.to(h));
-    pass_on(mesh.to(h), mesh.from(h));
+  for (int f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.face_live(f)) continue;
+    const std::array<int, 3>& corners = mesh.face(f);
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.twin(3 * f + k) > 3 * f + k) continue;
+      const int a = corners[k], b = corners[k == 2 ? 0 : k + 1];
+      pass_on(a, b);
+      pass_on(b, a);
+    }
   }
   const std::size_t budget = max_visits * tensors.size();
   for (std::size_t i = 0; i < queue.size() && i < budget; ++i) {

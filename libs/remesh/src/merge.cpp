@@ -287,7 +287,7 @@ bool Merger::open_faces(int v) {
       const auto& X = mesh().X;
       const int other = mesh().opposite(mesh().twin(longest));
       if (opposite_angle_sine(X[mesh().from(longest)], X[mesh().opposite(longest)], X[mesh().to(longest)], X[other],
-                              Mat2::Identity()) >= 0)
+                              Tensor::isotropic(1)) >= 0)
         continue;
     }
     c_.editor.flip(longest);

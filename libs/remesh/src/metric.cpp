@@ -89,17 +89,25 @@ Tensor tensor_max(std::span<const Tensor> tensors) {
   for (const Tensor& M : tensors)
     if (M.radius > 0) storage[n++] = M;
   if (n == 0) return {};
+  if (n == 1) return storage[0];
+  if (n == 2) return tensor_max(storage[0], storage[1]);
   const DiskSpan disks(storage.data(), n);
   if (const std::optional<Disk> disk = smallest_enclosing(disks)) return *disk;
   return std::accumulate(disks.begin(), disks.end(), Tensor{});
 }
 
-double opposite_angle_sine(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, const Mat2& M) {
-  const double cosine_b = (a - b).dot(M * (c - b)), cosine_d = (a - d).dot(M * (c - d));  // times the two lengths
-  if (cosine_b >= 0 && cosine_d >= 0)
-    return 1;  // neither angle is obtuse: below 180 degrees, which is all that is asked
+Tensor tensor_max(const Tensor& a, const Tensor& b) {
+  if (encloses(a, b)) return a;
+  if (encloses(b, a)) return b;
+  const Vec2 ab = b.centre - a.centre;
+  const double distance = ab.norm(), radius = 0.5 * (distance + a.radius + b.radius);
+  return {a.centre + ab * ((radius - a.radius) / distance), radius};
+}
+
+double obtuse_angle_sine(const Vec2& ba, const Vec2& bc, const Vec2& da, const Vec2& dc, double cosine_b,
+                         double cosine_d, const Tensor& M) {
   const double stretch = std::sqrt(std::max(0.0, M.determinant()));
-  const double sine_b = stretch * std::abs(cross2(a - b, c - b)), sine_d = stretch * std::abs(cross2(a - d, c - d));
+  const double sine_b = stretch * std::abs(cross2(ba, bc)), sine_d = stretch * std::abs(cross2(da, dc));
   const double scale2 = (cosine_b * cosine_b + sine_b * sine_b) * (cosine_d * cosine_d + sine_d * sine_d);
   return scale2 > 0 ? (sine_b * cosine_d + cosine_b * sine_d) / std::sqrt(scale2) : 0;
 }

@@ -25,6 +25,11 @@ struct Tensor {
   double along(const Vec2& e) const {
     return radius * e.squaredNorm() + centre.x() * (e.x() * e.x() - e.y() * e.y()) + 2 * centre.y() * e.x() * e.y();
   }
+  /// p^T M q
+  double product(const Vec2& p, const Vec2& q) const {
+    return radius * p.dot(q) + centre.x() * (p.x() * q.x() - p.y() * q.y()) +
+           centre.y() * (p.x() * q.y() + p.y() * q.x());
+  }
   Mat2 matrix() const { return Mat2{{radius + centre.x(), centre.y()}, {centre.y(), radius - centre.x()}}; }
 
   static Tensor isotropic(double value) { return {Vec2::Zero(), value}; }
@@ -70,6 +75,7 @@ inline bool encloses(const Tensor& M, const Tensor& N) {
 /// rounding leaves no candidate that encloses all, their sum.
 /// @pre at most 8 tensors, positive semidefinite
 Tensor tensor_max(std::span<const Tensor> tensors);
+Tensor tensor_max(const Tensor& a, const Tensor& b);
 
 inline double cross2(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -80,9 +86,18 @@ inline double squared_metric_length(const Vec2& e, const Tensor& a, const Tensor
   return std::max(0.0, 0.5 * (a + b).along(e));
 }
 
+/// Of two angles, one of which is obtuse: see opposite_angle_sine.
+double obtuse_angle_sine(const Vec2& ba, const Vec2& bc, const Vec2& da, const Vec2& dc, double cosine_b,
+                         double cosine_d, const Tensor& M);
+
 /// Sine of the sum of the two angles that face the edge ac in the quadrilateral abcd (b right, d left of a -> c or the
 /// other way), measured in M. Negative: the edge is not Delaunay, and bd is the better diagonal. Positive values are
-/// exact only where an angle is obtuse.                                                         [BOSSEN-HECKBERT96]
-double opposite_angle_sine(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, const Mat2& M);
+/// exact only where an angle is obtuse: with neither the sum is below 180 degrees, which is all that is asked.
+///                                                                                                [BOSSEN-HECKBERT96]
+inline double opposite_angle_sine(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, const Tensor& M) {
+  const Vec2 ba = a - b, bc = c - b, da = a - d, dc = c - d;
+  const double cosine_b = M.product(ba, bc), cosine_d = M.product(da, dc);  // times the two lengths
+  return cosine_b >= 0 && cosine_d >= 0 ? 1 : obtuse_angle_sine(ba, bc, da, dc, cosine_b, cosine_d, M);
+}
 
 }  // namespace crease

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
+#include <ranges>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "metric.hpp"
 #include "transfer.hpp"
 
 namespace crease {
@@ -176,38 +177,46 @@ MatN3 Payers::settle_linear(const Debt& debt) const {
   return as_far_as_allowed(least, wanted, debt.energy);
 }
 
-}  // namespace
-
-Account account(const Cloth& cloth, std::span<const int> faces, const Frame& frame) {
+// With X = sum x_i and W = sum w_i over the corners, a face adds the integrals A W / 3, A (X x W + sum x_i x w_i) / 12
+// and A (|W|^2 + sum |w_i|^2) / 24.
+template <typename Faces>
+Account sum_over(Faces faces, const Cloth& cloth, const Frame& frame) {
+  const Mesh& mesh = cloth.mesh;
   Account sum;
   for (const int f : faces) {
-    const std::array<Vec3, 3> w = seen_velocities(cloth, f, frame);
-    const std::array<int, 3>& corners = cloth.mesh.face(f);
-    const double area = cloth.mesh.material_area(f);
-    const Vec3 total = w[0] + w[1] + w[2];
-    double squares = total.squaredNorm();
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3 x = cloth.mesh.x[corners[i]] - frame.origin;
-      sum.moment += area / 3 * x;
-      sum.angular += area / 12 * x.cross(total + w[i]);
-      squares += w[i].squaredNorm();
+    const auto& [i, j, k] = mesh.face(f);
+    const double area = 0.5 * cross2(mesh.X[j] - mesh.X[i], mesh.X[k] - mesh.X[i]);
+    Vec3 w0 = cloth.v[i], w1 = cloth.v[j], w2 = cloth.v[k];
+    if (cloth.is_eol(i) || cloth.is_eol(j) || cloth.is_eol(k)) {
+      const std::array<Vec3, 3> w = corner_velocities(cloth, f);
+      w0 = w[0], w1 = w[1], w2 = w[2];
     }
+    w0 -= frame.velocity, w1 -= frame.velocity, w2 -= frame.velocity;
+    const Vec3 x0 = mesh.x[i] - frame.origin, x1 = mesh.x[j] - frame.origin, x2 = mesh.x[k] - frame.origin;
+    const Vec3 x = x0 + x1 + x2, w = w0 + w1 + w2;
     sum.area += area;
-    sum.linear += area / 3 * total;
-    sum.kinetic += area / 24 * squares;
+    sum.moment += area / 3 * x;
+    sum.linear += area / 3 * w;
+    sum.angular += area / 12 * (x.cross(w) + x0.cross(w0) + x1.cross(w1) + x2.cross(w2));
+    sum.kinetic += area / 24 * (w.squaredNorm() + w0.squaredNorm() + w1.squaredNorm() + w2.squaredNorm());
   }
   return sum;
 }
 
+}  // namespace
+
+Account account(const Cloth& cloth, std::span<const int> faces, const Frame& frame) {
+  return sum_over(faces, cloth, frame);
+}
+
 // Seen from a vertex, so that a cloth far away or in fast flight loses no digits; then from the centre of mass.
 Motion motion(const Cloth& cloth) {
-  std::vector<int> faces(static_cast<std::size_t>(cloth.mesh.face_slots()));
-  std::iota(faces.begin(), faces.end(), 0);
-  std::erase_if(faces, [&](int f) { return !cloth.mesh.face_live(f); });
+  auto faces =
+      std::views::iota(0, cloth.mesh.face_slots()) | std::views::filter([&](int f) { return cloth.mesh.face_live(f); });
   if (faces.empty()) return {};
   const int some = cloth.mesh.face(faces.front())[0];
   const Frame frame{cloth.mesh.x[some], cloth.v[some]};
-  const Account seen = account(cloth, faces, frame);
+  const Account seen = sum_over(faces, cloth, frame);
   Motion result;
   result.area = seen.area;
   result.centre = frame.origin + seen.moment / seen.area;

@@ -46,11 +46,11 @@ struct WeightedNormal {
 };
 
 WeightedNormal weighted_normal(const Mesh& mesh, int face) {
-  const auto x = world_corners(mesh, face);
-  const Vec3 a = x[1] - x[0], b = x[2] - x[0];
+  const std::array<int, 3>& corners = mesh.face(face);
+  const Vec3 a = mesh.x[corners[1]] - mesh.x[corners[0]], b = mesh.x[corners[2]] - mesh.x[corners[0]];
   const Vec3 opposite2((b - a).squaredNorm(), b.squaredNorm(), a.squaredNorm());
   const double product = opposite2.prod();
-  return {a.cross(b), product > 0 ? Vec3(opposite2 / product) : Vec3::Zero(), opposite2.maxCoeff()};
+  return {a.cross(b), product > 0 ? Vec3(opposite2 * (1 / product)) : Vec3::Zero(), opposite2.maxCoeff()};
 }
 
 Normals::Normals(const Mesh& mesh)
@@ -62,7 +62,7 @@ Normals::Normals(const Mesh& mesh)
     if (!mesh.face_live(f)) continue;
     const auto [normal, weights, longest2] = weighted_normal(mesh, f);
     const double length = normal.norm();
-    if (length > degenerate * longest2) face[f] = normal / length;
+    if (length > degenerate * longest2) face[f] = normal * (1 / length);
     for (int k = 0; k < 3; ++k) {
       const int h = 3 * f + k, v = mesh.from(h);
       corner[h] = v;
@@ -74,7 +74,7 @@ Normals::Normals(const Mesh& mesh)
   on_chain.erase(std::unique(on_chain.begin(), on_chain.end()), on_chain.end());
   for (const int v : on_chain) split_at_chain(mesh, v);
   for (Vec3& n : shared)
-    if (const double length = n.norm(); length > 0) n /= length;
+    if (const double length = n.norm(); length > 0) n *= 1 / length;
 }
 
 // One sum for every run of faces between two chain edges, in the order of outgoing(v). In the interior the first and
@@ -92,35 +92,72 @@ void Normals::split_at_chain(const Mesh& mesh, int vertex) {
   }
 }
 
-// The angle whose chord on the unit circle is c: a series that is good to 1e-7 up to 17 degrees, where nearly all folds
-// are, as the arc sine takes its time.
-double angle_of_chord(double c) {
-  const double c2 = c * c;
-  if (c2 < 0.09) return c * (1 + c2 / 24 * (1 + c2 * 9 / 80));
-  return 2 * std::asin(std::min(0.5 * c, 1.0));
+// The angle whose chord on the unit circle is c, over c, by c^2: a series that is good to 1e-7 up to 17 degrees, where
+// nearly all folds are, as the arc sine takes its time.
+double angle_by_chord(double c2) {
+  if (c2 < 0.09) return 1 + c2 / 24 * (1 + c2 * 9 / 80);
+  const double c = std::sqrt(c2);
+  return 2 * std::asin(std::min(0.5 * c, 1.0)) / c;
 }
 
-// Signed world dihedral of every edge, at both its half-edges: 0 at borders and chains.
-std::vector<double> dihedrals(const Mesh& mesh, const std::vector<Vec3>& face_normals) {
-  std::vector<double> angles(3 * face_normals.size(), 0.0);
-  for (int h = 0; h < 3 * mesh.face_slots(); ++h) {
-    const int g = mesh.twin(h);
-    if (g <= h || mesh.tag(h) != 0 || !mesh.face_live(Mesh::face_of(h))) continue;
-    const Vec3 &n0 = face_normals[Mesh::face_of(h)], &n1 = face_normals[Mesh::face_of(g)];
-    if (n0.isZero(0) || n1.isZero(0)) continue;
-    const double angle = angle_of_chord((n1 - n0).norm());
-    const bool up = n0.cross(n1).dot(mesh.x[mesh.to(h)] - mesh.x[mesh.from(h)]) > 0;
-    angles[h] = angles[g] = up ? angle : -angle;
+// Shape operator of every face times its area, from the world dihedrals of its edges, 0 at borders and chains:
+// -S A = sum theta/2 |E| t t^T, t the unit normal of the material edge E. It sees sawtooth folds, which average out of
+// nodal normals.
+std::vector<Tensor> dihedral_shapes(const Mesh& mesh, const std::vector<Vec3>& face_normals) {
+  std::vector<Tensor> shapes(face_normals.size());
+  for (int f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.face_live(f)) continue;
+    const std::array<int, 3>& corners = mesh.face(f);
+    for (int k = 0; k < 3; ++k) {
+      const int h = 3 * f + k, g = mesh.twin(h);
+      if (g <= h || mesh.tag(h) != 0) continue;
+      const Vec3 &n0 = face_normals[f], &n1 = face_normals[Mesh::face_of(g)];
+      const double c2 = (n1 - n0).squaredNorm();
+      if (c2 == 0 || c2 + 2 * n0.dot(n1) < 1.5) continue;  // it is 2, but 1 where a face has no normal
+      const int from = corners[k], to = corners[k == 2 ? 0 : k + 1];
+      const Vec2 E = mesh.X[to] - mesh.X[from];
+      // theta/2 |E| t t^T; t t^T is the disk of centre (t.x^2 - t.y^2, 2 t.x t.y) / 2.
+      const double squared = E.squaredNorm(), weight = 0.25 * std::sqrt(c2 / squared) * angle_by_chord(c2);
+      const Tensor along{{E.y() * E.y() - E.x() * E.x(), -2 * E.x() * E.y()}, squared};
+      const bool up = n0.cross(n1).dot(mesh.x[to] - mesh.x[from]) > 0;
+      const Tensor bend = (up ? weight : -weight) * along;
+      shapes[f] = shapes[f] + bend;
+      shapes[Mesh::face_of(g)] = shapes[Mesh::face_of(g)] + bend;
+    }
   }
-  return angles;
+  return shapes;
 }
+
+// Gradients of a face's quantities, given by their differences to corner 0.
+struct MaterialFrame {
+  Vec2 g1, g2;  // gradients of the barycentric coordinates of corners 1 and 2
+  double area;
+
+  MaterialFrame(const Mesh& mesh, int face) {
+    const std::array<int, 3>& corners = mesh.face(face);
+    const Vec2 a = mesh.X[corners[1]] - mesh.X[corners[0]], b = mesh.X[corners[2]] - mesh.X[corners[0]];
+    double doubled = cross2(a, b);
+    if (!(doubled > 0)) doubled = orient2d(mesh.X[corners[0]], mesh.X[corners[1]], mesh.X[corners[2]]);  // a needle
+    const double inverse = 1 / doubled;
+    g1 = Vec2(b.y() * inverse, -b.x() * inverse);
+    g2 = Vec2(-a.y() * inverse, a.x() * inverse);
+    area = 0.5 * doubled;
+  }
+  Mat32 gradient(const Vec3& at_0, const Vec3& at_1, const Vec3& at_2) const {
+    const Vec3 a = at_1 - at_0, b = at_2 - at_0;
+    Mat32 result;
+    result.col(0) = a * g1.x() + b * g2.x();
+    result.col(1) = a * g1.y() + b * g2.y();
+    return result;
+  }
+};
 
 // What all faces share while their tensors are made.
 struct Field {
   const Cloth& cloth;
   const Mesh& mesh;
   const Normals normals;
-  const std::vector<double> angles;
+  const std::vector<Tensor> shapes;
   const AdaptOptions& options;
   const double least, most;  // eigenvalues of the longest and of the shortest edge
 
@@ -128,44 +165,26 @@ struct Field {
       : cloth(cloth_),
         mesh(cloth.mesh),
         normals(mesh),
-        angles(dihedrals(mesh, normals.face)),
+        shapes(dihedral_shapes(mesh, normals.face)),
         options(options_),
         least(1 / (options.size[1] * options.size[1])),
         most(1 / (options.size[0] * options.size[0])) {}
 
-  Tensor face_tensor(int face, double area) const;
+  Tensor face_tensor(int face, const MaterialFrame& frame) const;
   Tensor limited(const Tensor& M) const;
 };
 
-// S^2 of the shape operator from the dihedral angles of the face's edges; it sees sawtooth folds, which average out of
-// nodal normals.
-Tensor dihedral_curvature(const Field& field, int face, double area) {
-  Tensor S;
-  for (int h = 3 * face; h < 3 * face + 3; ++h) {
-    if (field.angles[h] == 0) continue;
-    const Vec2 E = field.mesh.X[field.mesh.to(h)] - field.mesh.X[field.mesh.from(h)];
-    // theta/2 |E| t t^T with the unit normal t of E; t t^T is the disk of centre (t.x^2 - t.y^2, 2 t.x t.y) / 2.
-    const double squared = E.squaredNorm(), weight = 0.25 * field.angles[h] * std::sqrt(squared) / area;
-    const Vec2 centre(E.y() * E.y() - E.x() * E.x(), -2 * E.x() * E.y());
-    S = S - weight * Tensor{centre / squared, 1};
-  }
-  return square(S);
-}
-
-Mat32 gradient(const Vec3& a, const Vec3& b, const Vec3& c, const Mat32& g) {
-  return (b - a) * g.row(1) + (c - a) * g.row(2);
-}
-
-// G without the rigid rotation that fits it best: a turning sheet asks for no refinement.
+// G without the rigid rotation that fits it best: a turning sheet asks for no refinement. The spin w solves
+// (tr C I - F F^T) w = b with C = F^T F and b = sum of F's columns x G's, which F and their normal n diagonalise.
 Mat32 without_spin(const Mat32& G, const Mat32& F) {
-  const Mat3 A = F.squaredNorm() * Mat3::Identity() - F * F.transpose();
-  const Vec3 b = F.col(0).cross(G.col(0)) + F.col(1).cross(G.col(1));
-  const double size2 = F.squaredNorm();
-  if (!(A.determinant() > 1e-12 * size2 * size2 * size2)) return G;  // crumpled to a line: no rotation to speak of
-  const Vec3 spin = A.inverse() * b;
-  Mat32 result = G;
-  result.col(0) -= spin.cross(F.col(0));
-  result.col(1) -= spin.cross(F.col(1));
+  const Vec3 f0 = F.col(0), f1 = F.col(1), n = f0.cross(f1);
+  const double det = n.squaredNorm(), trace = F.squaredNorm();
+  if (!(det > 1e-12 * trace * trace)) return G;  // crumpled to a line: no rotation to speak of
+  const Vec3 b = f0.cross(Vec3(G.col(0))) + f1.cross(Vec3(G.col(1)));
+  const Vec3 spin = (f0 * f0.dot(b) + f1 * f1.dot(b) + n * (n.dot(b) / trace)) * (1 / det);
+  Mat32 result;
+  result.col(0) = Vec3(G.col(0)) - spin.cross(f0);
+  result.col(1) = Vec3(G.col(1)) - spin.cross(f1);
   return result;
 }
 
@@ -186,21 +205,23 @@ Tensor Field::limited(const Tensor& M) const {
   return with_eigenvalues(M, large, small);
 }
 
-Tensor Field::face_tensor(int f, double area) const {
-  const Mat32 g = barycentric_gradients(material_corners(mesh, f));
-  const auto x = world_corners(mesh, f);
-  const Mat32 F = gradient(x[0], x[1], x[2], g);
-  const Tensor NtN = Tensor::gram(gradient(normals.at(3 * f), normals.at(3 * f + 1), normals.at(3 * f + 2), g));
-  const double angle2 = options.angle * options.angle, speed2 = options.velocity * options.velocity;
+Tensor Field::face_tensor(int f, const MaterialFrame& frame) const {
+  const auto& [i, j, k] = mesh.face(f);
+  const Mat32 F = frame.gradient(mesh.x[i], mesh.x[j], mesh.x[k]);
+  const Tensor NtN = Tensor::gram(frame.gradient(normals.at(3 * f), normals.at(3 * f + 1), normals.at(3 * f + 2)));
   std::array<Tensor, 4> terms;
   std::size_t n = 0;
   const auto add = [&](const Tensor& term) {
     if (!(term.large() <= least)) terms[n++] = term;
   };
-  add(1 / angle2 * dihedral_curvature(*this, f, area));
+  const double angle2 = options.angle * options.angle, speed2 = options.velocity * options.velocity;
+  add(1 / (angle2 * frame.area * frame.area) * square(shapes[f]));
   add(1 / angle2 * NtN);
-  const auto w = corner_velocities(cloth, f);
-  const Mat32 G = gradient(w[0], w[1], w[2], g);
+  Mat32 G = frame.gradient(cloth.v[i], cloth.v[j], cloth.v[k]);
+  if (cloth.is_eol(i) || cloth.is_eol(j) || cloth.is_eol(k)) {
+    const auto w = corner_velocities(cloth, f);
+    G = frame.gradient(w[0], w[1], w[2]);
+  }
   // Without the spin it is less; the larger eigenvalue of G^T G is at most its trace.
   if (!(G.squaredNorm() <= least * speed2)) add(1 / speed2 * Tensor::gram(without_spin(G, F)));
   // The larger root of the compression's polynomial is at most -E / c^2.
@@ -221,8 +242,9 @@ std::vector<Tensor> vertex_means(const Field& field) {
   const double log_least = std::log(field.least);
   for (int f = 0; f < mesh.face_slots(); ++f) {
     if (!mesh.face_live(f)) continue;
-    const double area = mesh.material_area(f);
-    const Tensor M = field.face_tensor(f, area);
+    const MaterialFrame frame(mesh, f);
+    const double area = frame.area;
+    const Tensor M = field.face_tensor(f, frame);
     const bool is_finer = M.radius > field.least;
     const Tensor log =
         is_finer ? map_eigenvalues(M, [](double l) { return std::log(l); }) : Tensor::isotropic(log_least);
