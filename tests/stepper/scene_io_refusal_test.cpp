@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a scene may not say, and how it is told.
+#include "crease/geometry/obj_io.hpp"
 #include "support/scene_io.hpp"
 
 #include <algorithm>
@@ -201,10 +202,19 @@ TEST_F(SceneIo, RefusesPointsAndWiresThatAreNone) {
            {"\"wire\": {\"points\": [[0, 0, 0]]}", "/obstacles/0/wire/points", "2 or more"},
            {"\"wire\": {\"points\": [[0, 0, 0], [1, 0]]}", "/obstacles/0/wire/points/1", "a list of 3"},
            {"\"wire\": {\"points\": [[0, 0, 0], [1, 0, 0], [1, 0, 0]]}", "/obstacles/0/wire/points/2", "unlike"},
-           {"\"wire\": {\"points\": [[-1e308, 0, 0], [1e308, 0, 0]]}", "/obstacles/0/wire/points/1", "unlike"}}) {
+           {"\"wire\": {\"points\": [[-1e308, 0, 0], [1, 0, 0]]}", "/obstacles/0/wire/points/0/0", "1000000000"}}) {
     SCOPED_TRACE(by);
     expect_problem(with(full_scene, box, by), pointer, says);
   }
+}
+
+TEST_F(SceneIo, RefusesVectorsThatNoSumSurvives) {
+  expect_problem(with(full_scene, "[0, 0, -9.81]", "[0, 0, -1e300]"), "/gravity/2", "1000000000");
+}
+
+TEST_F(SceneIo, RefusesADeviceWithoutAnEnd) {
+  EXPECT_THROW(load_scene("/dev/zero"), std::runtime_error);
+  EXPECT_THROW(read_obj("/dev/zero"), std::runtime_error);
 }
 
 TEST_F(SceneIo, WhatComesLaterIsRefusedByName) {

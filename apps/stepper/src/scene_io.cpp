@@ -15,6 +15,8 @@ namespace {
 
 std::string read_file(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file)) throw std::runtime_error(file.string() + ": is a directory, not a scene");
+  if (std::filesystem::is_character_file(file) || std::filesystem::is_block_file(file))
+    throw std::runtime_error(file.string() + ": is a device, not a scene");  // which may have no end
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno));
   std::string text{std::istreambuf_iterator<char>(in), {}};

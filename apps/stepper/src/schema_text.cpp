@@ -70,8 +70,8 @@ constexpr char schema_text[] = R"json({
     }
   },
   "definitions": {
-    "vec2": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
-    "vec3": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
+    "vec2": {"type": "array", "items": {"type": "number", "minimum": -1000000000, "maximum": 1000000000}, "minItems": 2, "maxItems": 2},
+    "vec3": {"type": "array", "items": {"type": "number", "minimum": -1000000000, "maximum": 1000000000}, "minItems": 3, "maxItems": 3},
     "label": {"type": "string", "maxLength": 200, "pattern": "^[!-~]([ -~]*[!-~])?$",
               "description": "printable ASCII; unique among its kind"},
     "cloth": {

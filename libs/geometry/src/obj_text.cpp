@@ -114,6 +114,8 @@ ObjText read_obj_text(const std::filesystem::path& file, ObjUse use) {
   ObjText text{file, {}, {}, {}, {}};
   if (std::filesystem::is_directory(file))
     throw std::runtime_error(file.string() + ": is a directory, not an OBJ file");
+  if (std::filesystem::is_character_file(file) || std::filesystem::is_block_file(file))
+    throw std::runtime_error(file.string() + ": is a device, not an OBJ file");  // which may have no end
   std::ifstream in(file);
   if (!in) throw std::runtime_error(file.string() + ": cannot be read: " + std::strerror(errno));
   int line = 0;
