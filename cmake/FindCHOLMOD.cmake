@@ -1,11 +1,13 @@
-# SuiteSparse 5.12 ships neither CMake nor pkg-config files. Defines CHOLMOD::CHOLMOD.
+# SuiteSparse 5.12 ships neither CMake nor pkg-config files. Defines CHOLMOD::CHOLMOD, with the ordering AMD.
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
 find_library(CHOLMOD_LIBRARY cholmod)
+find_library(AMD_LIBRARY amd)
 include(FindPackageHandleStandardArgs)
-find_package_handle_standard_args(CHOLMOD REQUIRED_VARS CHOLMOD_LIBRARY CHOLMOD_INCLUDE_DIR)
+find_package_handle_standard_args(CHOLMOD REQUIRED_VARS CHOLMOD_LIBRARY AMD_LIBRARY CHOLMOD_INCLUDE_DIR)
 if(CHOLMOD_FOUND AND NOT TARGET CHOLMOD::CHOLMOD)
   add_library(CHOLMOD::CHOLMOD UNKNOWN IMPORTED)
   set_target_properties(CHOLMOD::CHOLMOD PROPERTIES IMPORTED_LOCATION "${CHOLMOD_LIBRARY}"
-                                                    INTERFACE_INCLUDE_DIRECTORIES "${CHOLMOD_INCLUDE_DIR}")
+                                                    INTERFACE_INCLUDE_DIRECTORIES "${CHOLMOD_INCLUDE_DIR}"
+                                                    INTERFACE_LINK_LIBRARIES "${AMD_LIBRARY}")
 endif()
-mark_as_advanced(CHOLMOD_INCLUDE_DIR CHOLMOD_LIBRARY)
+mark_as_advanced(CHOLMOD_INCLUDE_DIR CHOLMOD_LIBRARY AMD_LIBRARY)

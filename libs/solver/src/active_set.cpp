@@ -29,8 +29,8 @@ QpResult ActiveSetSolver::solve(const QpProblem& problem, const QpOptions& optio
     result.message = "constraints of one block contradict each other";
     return result;
   }
-  if (!kkt_.analyze(reduction_.reduced(), reduction_.pattern())) {
-    result.message = "CHOLMOD could not analyse H";
+  if (!kkt_.analyze(reduction_.pattern())) {
+    result.message = "out of memory in the analysis of H";
     return result;
   }
   int iterations = 0;

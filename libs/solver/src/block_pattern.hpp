@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "crease/solver/block_cholesky.hpp"
 #include "crease/solver/qp.hpp"
 
 namespace crease {
@@ -17,20 +18,17 @@ class BlockPattern {
   /// Counts the changes, so that an analysis can tell whether it is of this pattern.
   int revision() const { return revision_; }
 
-  int n_blocks() const { return static_cast<int>(starts_.size()) - 1; }
-  int start(int block) const { return starts_[block]; }
-  int size(int block) const { return starts_[block + 1] - starts_[block]; }
+  /// Both triangles, ascending; the matrices here are those of make_block_matrix().
+  const BlockGraph& graph() const { return graph_; }
+  int n_blocks() const { return graph_.n_blocks(); }
+  int start(int block) const { return graph_.starts[block]; }
+  int size(int block) const { return graph_.size(block); }
   int block_of(int unknown) const { return block_of_[unknown]; }
   int height(int block) const { return heights_[block]; }
-  const std::vector<int>& starts() const { return starts_; }
 
-  /// Compressed columns of the block graph, both triangles, ascending.
-  std::vector<int>& outer() { return outer_; }
-  std::vector<int>& inner() { return inner_; }
-
-  /// A matrix of this pattern, all zero.
-  SparseMatrix make_matrix() const;
-  /// The values of H, in the order of make_matrix().
+  /// Whether H stores every entry of its blocks already.
+  bool is_full() const { return is_full_; }
+  /// The values of H, in the order of make_block_matrix().
   void gather(const SparseMatrix& H, double* values) const;
 
  private:
@@ -38,9 +36,10 @@ class BlockPattern {
   void build_graph(const SparseMatrix& H);
 
   std::vector<int> given_blocks_, given_outer_, given_inner_;  ///< what update() compares with
-  std::vector<int> starts_, block_of_, outer_, inner_, heights_;
+  BlockGraph graph_;
+  std::vector<int> block_of_, heights_;
   int revision_ = 0;
-  bool is_full_ = false;  ///< H stores every entry of its blocks already
+  bool is_full_ = false;
 };
 
 }  // namespace crease

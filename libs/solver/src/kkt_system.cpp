@@ -21,10 +21,9 @@ constexpr int least_changed = 8;
 
 }  // namespace
 
-bool KktSystem::analyze(const ReducedQp& qp, BlockPattern& pattern) {
+bool KktSystem::analyze(const BlockPattern& pattern) {
   if (analyzed_revision_ == pattern.revision()) return true;
-  masked_ = qp.H;
-  const bool done = cholesky_.analyze(qp.H, pattern.starts(), pattern.outer(), pattern.inner());
+  const bool done = cholesky_->analyze(pattern.graph());
   analyzed_revision_ = done ? pattern.revision() : 0;
   return done;
 }
@@ -46,7 +45,7 @@ int KktSystem::n_changed(const WorkingSet& set) const {
 bool KktSystem::refresh(const WorkingSet& set) {
   if (factorized_ && set.held == border_set_.held && set.on == border_set_.on) return true;
   border_set_ = {};
-  const int most = std::max(least_changed, static_cast<int>(changed_share * cholesky_.cost_ratio()));
+  const int most = std::max(least_changed, static_cast<int>(changed_share * cholesky_->cost().ratio()));
   const bool keep = factorized_ && n_changed(set) <= most && n_slots_ <= 4 * most + qp_->n_rows();
   // A border that cannot be factorised may be the fault of the base it stands on, so the set gets a base of its own.
   bool ready = keep && add_columns(set) && factorize_border();
@@ -55,21 +54,12 @@ bool KktSystem::refresh(const WorkingSet& set) {
   return ready;
 }
 
-/// Held coordinates become identity rows, which keeps the pattern.
+/// Held coordinates become identity rows, which keeps the analysis.
 bool KktSystem::factorize(const WorkingSet& set) {
-  const SparseMatrix& H = qp_->H;
-  const int* outer = H.outerIndexPtr();
-  const int* inner = H.innerIndexPtr();
-  for (int c = 0; c < H.cols(); ++c)
-    for (int at = outer[c]; at < outer[c + 1]; ++at) {
-      const bool masked = set.held[c] || set.held[inner[at]];
-      const double diagonal = inner[at] == c ? (masked ? 1.0 : epsilon_) : 0.0;
-      masked_.valuePtr()[at] = (masked ? 0.0 : H.valuePtr()[at]) + diagonal;
-    }
   base_ = set.held;
   slot_of_.assign(static_cast<size_t>(qp_->size()) + static_cast<size_t>(qp_->n_rows()), -1);
   n_slots_ = 0;
-  factorized_ = cholesky_.factorize(masked_) && cholesky_.rcond() > singular_rcond;
+  factorized_ = cholesky_->factorize(qp_->H, base_, epsilon_) && cholesky_->rcond() > singular_rcond;
   return factorized_;
 }
 
@@ -95,7 +85,7 @@ bool KktSystem::add_columns(const WorkingSet& set) {
   }
   MatX C(n, n_new);
   for (int k = 0; k < n_new; ++k) fill_column(fresh[k], C.col(k));
-  Y_.middleCols(n_slots_, n_new) = cholesky_.forward(C);
+  Y_.middleCols(n_slots_, n_new) = cholesky_->forward(C);
   const auto fresh_Y = Y_.middleCols(n_slots_, n_new);
   auto own = gram_.block(n_slots_, n_slots_, n_new, n_new);
   own.setZero();
@@ -184,7 +174,7 @@ bool KktSystem::solve(const WorkingSet& set, const VecX& f, const VecX& value, c
   VecX r = push;
   for (int i = 0; i < n; ++i)
     if (base_[i]) r[i] = 0;
-  const VecX y = cholesky_.forward(r);
+  const VecX y = cholesky_->forward(r);
   VecX reached;  // C^T K^-1 r
   if (n_slots_ > 0) reached = Y_.leftCols(n_slots_).transpose() * y;
   const VecX row_held = qp_->rows * held;
@@ -210,7 +200,7 @@ bool KktSystem::solve(const WorkingSet& set, const VecX& f, const VecX& value, c
   for (int i = 0; i < n_freed; ++i) z[slot_of_[freed_[i]]] = z_freed[i];
   VecX x = y;
   if (n_slots_ > 0) x -= Y_.leftCols(n_slots_) * z;
-  point.u = cholesky_.backward(x);
+  point.u = cholesky_->backward(x);
   for (int i = 0; i < n; ++i)
     if (set.held[i]) point.u[i] = value[i];
   for (int i = 0; i < n_freed; ++i) point.u[freed_[i]] = z_freed[i];

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <memory>
 #include <vector>
 
+#include "crease/solver/block_cholesky.hpp"
 #include "reduction.hpp"
-#include "sparse_cholesky.hpp"
 
 namespace crease {
 
@@ -21,7 +22,7 @@ namespace crease {
 class KktSystem {
  public:
   /// Does nothing if `pattern` is the one analysed last. @return false if the analysis failed
-  bool analyze(const ReducedQp& qp, BlockPattern& pattern);
+  bool analyze(const BlockPattern& pattern);
   /// Call whenever a value has changed; `qp` has to stay until the next call.
   void reset(const ReducedQp& qp, double epsilon);
 
@@ -45,8 +46,7 @@ class KktSystem {
   const ReducedQp* qp_ = nullptr;
   double epsilon_ = 0;
   VecX delta_;
-  SparseCholesky cholesky_;
-  SparseMatrix masked_;
+  std::unique_ptr<BlockCholesky> cholesky_ = make_block_cholesky();
   bool factorized_ = false;
   int analyzed_revision_ = 0;
   std::vector<char> base_;  ///< held at the last factorisation

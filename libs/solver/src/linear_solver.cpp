@@ -5,8 +5,8 @@
 
 #include "block_pattern.hpp"
 #include "crease/base/require.hpp"
+#include "crease/solver/block_cholesky.hpp"
 #include "entry.hpp"
-#include "sparse_cholesky.hpp"
 
 namespace crease {
 namespace {
@@ -18,10 +18,21 @@ constexpr int refinements = 2;
 
 struct LinearSolver::Impl {
   BlockPattern pattern;
-  SparseCholesky cholesky;
+  std::unique_ptr<BlockCholesky> cholesky = make_block_cholesky();
+  SparseMatrix full;  ///< H with every entry of its blocks, unless it stores those itself
   bool analyzed = false;
 
-  VecX solve(const VecX& f) { return cholesky.backward(cholesky.forward(f)); }
+  void analyze(const QpProblem& problem) {
+    if (!pattern.update(problem) && analyzed) return;
+    full = pattern.is_full() ? SparseMatrix() : make_block_matrix(pattern.graph());
+    analyzed = cholesky->analyze(pattern.graph());
+  }
+
+  bool factorize(const SparseMatrix& H) {
+    if (pattern.is_full()) return cholesky->factorize(H);
+    pattern.gather(H, full.valuePtr());
+    return cholesky->factorize(full);
+  }
 };
 
 LinearSolver::LinearSolver() : impl_(std::make_unique<Impl>()) {}
@@ -35,15 +46,13 @@ QpResult LinearSolver::solve(const QpProblem& problem, const QpOptions& options)
                                                                     std::to_string(problem.b_in.size()));
   if (std::optional<QpResult> rest = solve_at_rest(problem)) return *std::move(rest);
   QpResult result;
-  if (impl_->pattern.update(problem) || !impl_->analyzed)
-    impl_->analyzed =
-        impl_->cholesky.analyze(problem.H, impl_->pattern.starts(), impl_->pattern.outer(), impl_->pattern.inner());
-  if (!impl_->analyzed || !impl_->cholesky.factorize(problem.H)) {
+  impl_->analyze(problem);
+  if (!impl_->analyzed || !impl_->factorize(problem.H)) {
     result.message = "H is not positive definite";
     return result;
   }
-  VecX q = impl_->solve(problem.f);
-  for (int i = 0; i < refinements; ++i) q += impl_->solve(problem.f - problem.H * q);
+  VecX q = impl_->cholesky->solve(problem.f);
+  for (int i = 0; i < refinements; ++i) q += impl_->cholesky->solve(problem.f - problem.H * q);
   result.kkt_residual = kkt_residual(problem, q, VecX(), VecX());
   if (result.kkt_residual <= options.tolerance) {
     result.status = QpStatus::Solved;

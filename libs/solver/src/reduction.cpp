@@ -25,7 +25,7 @@ double max_abs(const VecX& v) {
 }  // namespace
 
 bool Reduction::build(const QpProblem& problem) {
-  if (pattern_.update(problem)) qp_.H = pattern_.make_matrix();
+  if (pattern_.update(problem)) qp_.H = make_block_matrix(pattern_.graph());
   n_eq_ = static_cast<int>(problem.b_eq.size());
   n_in_ = static_cast<int>(problem.b_in.size());
   const double largest = problem.H.nonZeros() == 0 ? 0.0 : problem.H.coeffs().abs().maxCoeff();
@@ -120,8 +120,8 @@ void Reduction::transform_H(const SparseMatrix& H) {
     const int size = pattern_.size(k), start = pattern_.start(k);
     DenseMap column(values + outer[start], pattern_.height(k), size);
     int row = 0;
-    for (int at = pattern_.outer()[k]; at < pattern_.outer()[k + 1]; ++at) {
-      const int other = pattern_.inner()[at];
+    for (int at = pattern_.graph().outer[k]; at < pattern_.graph().outer[k + 1]; ++at) {
+      const int other = pattern_.graph().inner[at];
       auto part = column.middleRows(row, pattern_.size(other));
       if (basis_of_[other] >= 0) {
         const SmallMatrix product = bases_[basis_of_[other]].T.transpose().lazyProduct(part);

@@ -50,7 +50,7 @@ class Reduction {
   /// @return false if constraints of a single block contradict each other; reduced() is then not usable
   bool build(const QpProblem& problem);
   const ReducedQp& reduced() const { return qp_; }
-  BlockPattern& pattern() { return pattern_; }
+  const BlockPattern& pattern() const { return pattern_; }
 
   /// @param guess  one an inequality of the problem, or empty: all local ones
   WorkingSet start(std::span<const char> guess) const;

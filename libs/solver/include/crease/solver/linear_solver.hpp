@@ -7,7 +7,7 @@
 
 namespace crease {
 
-/// H q = f: what a step solves where there is nothing to constrain. One factorisation by CHOLMOD and refinement; the
+/// H q = f: what a step solves where there is nothing to constrain. One factorisation and refinement; the
 /// symbolic analysis is kept while the pattern of H stays.
 class LinearSolver {
  public:

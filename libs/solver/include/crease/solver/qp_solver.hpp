@@ -9,7 +9,8 @@
 namespace crease {
 
 enum class QpMethod {
-  ActiveSet,  ///< default: primal-dual active set on CHOLMOD, local rows as bounds, general rows in a Schur border
+  ActiveSet,  ///< default: primal-dual active set on one Cholesky factorisation, local rows as bounds, general rows in
+              ///< a Schur border
   Ipopt       ///< independent reference: interior point, exact Hessian
 };
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The only file that calls CHOLMOD.
-#include "sparse_cholesky.hpp"
+#include "cholmod_cholesky.hpp"
 
 #include <limits>
 
+#include "block_graph.hpp"
+#include "crease/base/require.hpp"
 #include "one_thread.hpp"
+#include "ordering.hpp"
 
 namespace crease {
 namespace {
@@ -42,7 +45,7 @@ cholmod_dense view(const MatX& B) {
 
 }  // namespace
 
-SparseCholesky::SparseCholesky() : symbolic_(nullptr, {&common_}), numeric_(nullptr, {&common_}) {
+CholmodCholesky::CholmodCholesky() : symbolic_(nullptr, {&common_}), numeric_(nullptr, {&common_}) {
   cholmod_start(&common_);
   common_.print = 0;
   common_.supernodal = CHOLMOD_SUPERNODAL;
@@ -52,49 +55,63 @@ SparseCholesky::SparseCholesky() : symbolic_(nullptr, {&common_}), numeric_(null
   common_.postorder = 1;
 }
 
-SparseCholesky::~SparseCholesky() {
+CholmodCholesky::~CholmodCholesky() {
   numeric_.reset();
   symbolic_.reset();
   for (cholmod_dense** dense : {&work_.X1, &work_.X2, &work_.Y, &work_.E}) cholmod_free_dense(dense, &common_);
   cholmod_finish(&common_);
 }
 
-bool SparseCholesky::analyze(const SparseMatrix& A, const std::vector<int>& blocks, std::vector<int>& block_outer,
-                             std::vector<int>& block_inner) {
+bool CholmodCholesky::analyze(const BlockGraph& graph, std::span<const int> order) {
+  require_valid(graph, order);
   const OneThread guard;
   numeric_.reset();
   symbolic_.reset();
-  const int n_blocks = static_cast<int>(blocks.size()) - 1;
-  cholmod_sparse graph = view(n_blocks, block_outer.data(), block_inner.data(), nullptr);
-  std::vector<int> block_order(static_cast<size_t>(n_blocks));
-  if (!cholmod_amd(&graph, nullptr, 0, block_order.data(), &common_)) return false;
-  std::vector<int> order;
-  order.reserve(static_cast<size_t>(A.rows()));
-  for (const int block : block_order)
-    for (int i = blocks[block]; i < blocks[block + 1]; ++i) order.push_back(i);
-  cholmod_sparse matrix = view(A);
-  symbolic_.reset(cholmod_analyze_p(&matrix, order.data(), nullptr, 0, &common_));
+  rcond_ = 0;
+  order_.assign(order.begin(), order.end());
+  if (order_.empty()) order_ = minimum_degree_order(graph);
+  if (static_cast<int>(order_.size()) != graph.n_blocks()) return false;
+  masked_ = make_block_matrix(graph);
+  std::vector<int> unknowns;
+  unknowns.reserve(static_cast<size_t>(graph.n_unknowns()));
+  for (const int block : order_)
+    for (int i = graph.starts[block]; i < graph.starts[block + 1]; ++i) unknowns.push_back(i);
+  if (unknowns.empty()) return true;  // which CHOLMOD takes for an error
+  cholmod_sparse matrix = view(masked_);
+  symbolic_.reset(cholmod_analyze_p(&matrix, unknowns.data(), nullptr, 0, &common_));
   return symbolic_ != nullptr;
 }
 
-bool SparseCholesky::factorize(const SparseMatrix& A) {
+bool CholmodCholesky::factorize(const SparseMatrix& A, std::span<const char> held, double lift) {
+  CREASE_ASSERT(A.nonZeros() == masked_.nonZeros());
   const OneThread guard;
+  rcond_ = 0;
+  if (A.rows() == 0) return (rcond_ = 1) > 0;
   if (!symbolic_) return false;
+  mask(A, held, lift);
   // A factor that met a bad pivot is not fit for another try, so the analysis is copied afresh after a failure.
   if (!numeric_) numeric_.reset(cholmod_copy_factor(symbolic_.get(), &common_));
   if (!numeric_) return false;
-  cholmod_sparse matrix = view(A);
-  const bool done = cholmod_factorize(&matrix, numeric_.get(), &common_) && common_.status == CHOLMOD_OK &&
-                    numeric_->minor == numeric_->n;
-  if (!done) numeric_.reset();
+  cholmod_sparse matrix = view(masked_);
+  bool done = cholmod_factorize(&matrix, numeric_.get(), &common_) && common_.status == CHOLMOD_OK &&
+              numeric_->minor == numeric_->n;
+  rcond_ = done ? cholmod_rcond(numeric_.get(), &common_) : 0;
+  if (!(rcond_ > 0)) numeric_.reset(), done = false;  // pivots that are no numbers pass CHOLMOD
   return done;
 }
 
-double SparseCholesky::rcond() {
-  return numeric_ ? cholmod_rcond(numeric_.get(), &common_) : 0.0;
+void CholmodCholesky::mask(const SparseMatrix& A, std::span<const char> held, double lift) {
+  const int* outer = A.outerIndexPtr();
+  const int* inner = A.innerIndexPtr();
+  for (int c = 0; c < A.cols(); ++c)
+    for (int at = outer[c]; at < outer[c + 1]; ++at) {
+      const bool masked = !held.empty() && (held[c] || held[inner[at]]);
+      const double diagonal = inner[at] == c ? (masked ? 1.0 : lift) : 0.0;
+      masked_.valuePtr()[at] = (masked ? 0.0 : A.valuePtr()[at]) + diagonal;
+    }
 }
 
-MatX SparseCholesky::half_solve(const MatX& B, int first, int second) {
+MatX CholmodCholesky::half_solve(const MatX& B, int first, int second) const {
   const OneThread guard;
   if (B.size() == 0) return B;
   cholmod_dense rhs = view(B);

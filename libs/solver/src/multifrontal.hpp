@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "aligned_buffer.hpp"
+#include "crease/solver/block_cholesky.hpp"
+#include "front_kernels.hpp"
+#include "supernode_tree.hpp"
+
+namespace crease {
+
+/// Multifrontal Cholesky [DUFF83], [LIU92] on the graph of blocks.
+///
+/// Children first, every supernode assembles a front: its columns of A, and what the factorised columns of its children
+/// subtract from them and from later ones (their updates). It factorises its own columns, which become part of L, and
+/// leaves the update of the rest to its parent.
+///
+/// Held unknowns are left out of the fronts, not multiplied by zero: the tree is one of blocks, and how many unknowns
+/// of a block take part is seen anew by every factorisation.
+class Multifrontal final : public BlockCholesky {
+ public:
+  explicit Multifrontal(const FrontKernels& kernels) : kernels_(kernels) {}
+
+  bool analyze(const BlockGraph& graph, std::span<const int> order) override;
+  const std::vector<int>& order() const override { return tree_.order; }
+  bool factorize(const SparseMatrix& A, std::span<const char> held, double lift) override;
+  double rcond() const override { return rcond_; }
+  FactorCost cost() const override { return cost_; }
+  MatX forward(const MatX& B) const override;
+  MatX backward(const MatX& B) const override;
+
+ private:
+  struct Front {
+    FrontShape shape;
+    int first;              ///< of its pivots, among the unknowns that are not held, in order of elimination
+    int rows_at;            ///< in border_
+    std::size_t factor_at;  ///< in factor_
+    std::size_t update_at;  ///< in the stack of updates of its depth's parity
+  };
+  /// A block of A on or below the diagonal of a block column: whose rows, and where in that column's values.
+  struct Entry {
+    int position, offset;
+  };
+  class Assembly;
+
+  void collect_entries();
+  void lay_out(std::span<const char> held);
+  void find_rcond();
+  int n_free() const { return free_at_.back(); }
+  void forward_one(double* y) const;
+  void backward_one(double* y) const;
+  void forward_panels(const Eigen::Ref<const MatX>& B, Eigen::Ref<MatX> Y) const;
+
+  const FrontKernels& kernels_;
+
+  // The analysis.
+  BlockGraph graph_;
+  SupernodeTree tree_;
+  std::vector<int> depth_, first_child_, next_child_;  ///< one a supernode; -1 = none
+  std::vector<int> heights_, values_at_;               ///< one a block: rows of its column of A, its first value
+  std::vector<int> entries_at_;                        ///< one a position
+  std::vector<Entry> entries_;
+
+  // One factorisation.
+  bool factorized_ = false;
+  std::vector<int> free_at_;  ///< one a position: its first unknown among the free ones
+  std::vector<int> unknown_;  ///< free unknowns in order of elimination, then the held ones
+  std::vector<Front> fronts_;
+  std::vector<int> border_;  ///< the free unknowns below the columns of each front
+  AlignedBuffer factor_, updates_[2];
+  int most_border_panels_ = 0;
+  double rcond_ = 0;
+  FactorCost cost_;
+};
+
+}  // namespace crease

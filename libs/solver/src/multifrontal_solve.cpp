@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "crease/base/require.hpp"
+#include "multifrontal.hpp"
+
+namespace crease {
+namespace {
+
+/// Right-hand sides from which on a panel of eight, some of them empty, takes less time than one after the other.
+constexpr int least_batch = 3;
+constexpr int batch = FrontShape::panel * max_rhs_panels;
+
+}  // namespace
+
+MatX Multifrontal::forward(const MatX& B) const {
+  CREASE_ASSERT(factorized_ && B.rows() == graph_.n_unknowns());
+  MatX Y(B.rows(), B.cols());
+  for (int first = 0; first < B.cols(); first += batch) {
+    const int n = std::min(batch, static_cast<int>(B.cols()) - first);
+    if (n >= least_batch) {
+      forward_panels(B.middleCols(first, n), Y.middleCols(first, n));
+      continue;
+    }
+    for (int j = first; j < first + n; ++j) {
+      for (Eigen::Index i = 0; i < B.rows(); ++i) Y(i, j) = B(unknown_[i], j);
+      forward_one(Y.col(j).data());
+    }
+  }
+  return Y;
+}
+
+MatX Multifrontal::backward(const MatX& Y) const {
+  CREASE_ASSERT(factorized_ && Y.rows() == graph_.n_unknowns());
+  MatX X(Y.rows(), Y.cols());
+  VecX x;
+  for (Eigen::Index j = 0; j < Y.cols(); ++j) {
+    x = Y.col(j);
+    backward_one(x.data());
+    for (Eigen::Index i = 0; i < Y.rows(); ++i) X(unknown_[i], j) = x[i];
+  }
+  return X;
+}
+
+void Multifrontal::forward_one(double* y) const {
+  std::vector<double> product(static_cast<std::size_t>(8 * most_border_panels_));
+  for (const Front& front : fronts_) {
+    kernels_.forward(front.shape, factor_.data() + front.factor_at, y + front.first, product.data());
+    const int* border = border_.data() + front.rows_at;
+    for (int i = 0; i < front.shape.border; ++i) y[border[i]] -= product[i];
+  }
+}
+
+void Multifrontal::backward_one(double* y) const {
+  std::vector<double> below(static_cast<std::size_t>(8 * most_border_panels_));
+  for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) {
+    const int* border = border_.data() + front->rows_at;
+    const int n = front->shape.border;
+    for (int i = 0; i < n; ++i) below[i] = y[border[i]];
+    std::fill(below.begin() + n, below.begin() + 8 * front->shape.border_panels(), 0.0);
+    kernels_.backward(front->shape, factor_.data() + front->factor_at, below.data(), y + front->first);
+  }
+}
+
+/// At most `batch` columns at once. A supernode none of whose descendants, nor itself, meets an entry is passed over.
+void Multifrontal::forward_panels(const Eigen::Ref<const MatX>& B, Eigen::Ref<MatX> Y) const {
+  const int n = static_cast<int>(B.cols()), n_panels = FrontShape::panels(n), free = n_free();
+  const auto panel_size = 8 * static_cast<std::size_t>(free),
+             product_size = 64 * static_cast<std::size_t>(most_border_panels_);
+  AlignedBuffer work;
+  work.reserve(static_cast<std::size_t>(n_panels) * (panel_size + product_size));
+  double* rows[max_rhs_panels];
+  double* product[max_rhs_panels];
+  double* Z[max_rhs_panels];
+  for (int p = 0; p < n_panels; ++p) {
+    rows[p] = work.data() + static_cast<std::size_t>(p) * panel_size;
+    product[p] =
+        work.data() + static_cast<std::size_t>(n_panels) * panel_size + static_cast<std::size_t>(p) * product_size;
+  }
+  std::fill(rows[0], rows[0] + static_cast<std::size_t>(n_panels) * panel_size, 0.0);
+  std::vector<char> met(static_cast<std::size_t>(free), 0);
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < free; ++i) {
+      const double value = B(unknown_[i], j);
+      rows[j / 8][8 * i + j % 8] = value;
+      met[i] |= value != 0;
+    }
+  for (const Front& front : fronts_) {
+    char* own = met.data() + front.first;
+    if (std::find(own, own + front.shape.pivots, 1) == own + front.shape.pivots) continue;
+    for (int p = 0; p < n_panels; ++p) Z[p] = rows[p] + 8 * static_cast<std::ptrdiff_t>(front.first);
+    kernels_.forward_batch(front.shape, factor_.data() + front.factor_at, n_panels, Z, product);
+    const int* border = border_.data() + front.rows_at;
+    for (int i = 0; i < front.shape.border; ++i) {
+      met[border[i]] = 1;
+      for (int p = 0; p < n_panels; ++p)
+        for (int k = 0; k < 8; ++k) rows[p][8 * border[i] + k] += product[p][8 * i + k];
+    }
+  }
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < free; ++i) Y(i, j) = rows[j / 8][8 * i + j % 8];
+    for (int i = free; i < graph_.n_unknowns(); ++i) Y(i, j) = B(unknown_[i], j);
+  }
+}
+
+}  // namespace crease

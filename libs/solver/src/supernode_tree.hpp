@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "crease/solver/block_cholesky.hpp"
+
+namespace crease {
+
+/// Symbolic factorisation of a graph of blocks: supernodes (sets of columns of L with nearly the same rows below them),
+/// as a forest in which a supernode updates its ancestors alone. Supernodes are numbered children first, every subtree
+/// in one piece.
+struct SupernodeTree {
+  std::vector<int> order;     ///< block eliminated at each position; may differ from the given order within its tree
+  std::vector<int> position;  ///< its inverse
+  std::vector<int> first;     ///< first position of each supernode; last entry the number of blocks
+  std::vector<int> parent;    ///< -1 = root
+  std::vector<int> rows_at, rows;  ///< positions of the blocks below the columns of each supernode, ascending
+
+  int size() const { return static_cast<int>(parent.size()); }
+};
+
+SupernodeTree make_supernode_tree(const BlockGraph& graph, std::span<const int> order);
+
+}  // namespace crease

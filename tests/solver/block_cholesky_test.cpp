@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: MIT
+#include "crease/solver/block_cholesky.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+#include "support/block_matrices.hpp"
+
+namespace crease {
+namespace {
+
+using support::BlockMatrix;
+using support::Random;
+
+/// Every implementation, under every set of kernels that this processor runs.
+class EachCholesky : public testing::TestWithParam<CholeskyOptions> {
+ protected:
+  std::unique_ptr<BlockCholesky> make() const { return make_block_cholesky(GetParam()); }
+};
+
+std::vector<CholeskyOptions> all_options() {
+  std::vector<CholeskyOptions> options{{CholeskyMethod::Cholmod, FrontKernelSet::Best}};
+  for (const FrontKernelSet kernels : available_front_kernels())
+    options.push_back({CholeskyMethod::Multifrontal, kernels});
+  return options;
+}
+
+std::string name_of(const testing::TestParamInfo<CholeskyOptions>& backend) {
+  if (backend.param.method == CholeskyMethod::Cholmod) return "Cholmod";
+  std::string name = to_string(backend.param.kernels);
+  std::erase(name, '-');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, EachCholesky, testing::ValuesIn(all_options()), name_of);
+
+/// Rounding of a backward stable solve relative to the solution: n eps times the condition, which random_spd() keeps
+/// below 1e3 or so.
+constexpr double rounding = 1e-11;
+
+/// Solves with the factor, and sees to it that the two halves are L^-1 P and its transpose.
+void expect_solves(const BlockCholesky& factor, const MatX& K, const MatX& B) {
+  const MatX exact = K.llt().solve(B);
+  const MatX Y = factor.forward(B), X = factor.backward(Y);
+  ASSERT_EQ(Y.rows(), K.rows());
+  ASSERT_EQ(X.cols(), B.cols());
+  if (B.size() == 0) return;
+  EXPECT_LE((X - exact).norm(), rounding * exact.norm());
+  EXPECT_LE((Y.transpose() * Y - B.transpose() * exact).norm(), rounding * (B.norm() * exact.norm()));  // B^T K^-1 B
+}
+
+/// K with identity rows for what is held.
+MatX masked(MatX K, const std::vector<char>& held, double lift) {
+  K.diagonal().array() += lift;
+  for (int i = 0; i < K.rows(); ++i)
+    if (held[i]) {
+      K.row(i).setZero();
+      K.col(i).setZero();
+      K(i, i) = 1;
+    }
+  return K;
+}
+
+TEST_P(EachCholesky, AgreesWithADenseFactorisationOnEveryGraph) {
+  const auto factor = make();
+  for (const auto& [name, graph] : support::block_graphs()) {
+    SCOPED_TRACE(name);
+    Random random(7);
+    const BlockMatrix matrix = support::random_spd(random, graph);
+    ASSERT_TRUE(factor->analyze(matrix.graph));
+    ASSERT_TRUE(factor->factorize(matrix.A));
+    // One column, a panel not full, exactly one, several batches.
+    for (const int columns : {1, 2, 5, 8, 61})
+      expect_solves(*factor, MatX(matrix.A), random.matrix(graph.n_unknowns(), columns));
+  }
+}
+
+TEST_P(EachCholesky, TakesHeldUnknownsForIdentityRows) {
+  const auto factor = make();
+  for (const auto& [name, graph] : support::block_graphs()) {
+    SCOPED_TRACE(name);
+    Random random(11);
+    const BlockMatrix matrix = support::random_spd(random, graph);
+    const int n = graph.n_unknowns();
+    ASSERT_TRUE(factor->analyze(matrix.graph));
+    for (const double share : {0.1, 0.5, 0.9, 1.0}) {
+      std::vector<char> held(static_cast<std::size_t>(n));
+      for (char& flag : held) flag = random.uniform(0, 1) <= share;
+      ASSERT_TRUE(factor->factorize(matrix.A, held, 0.25));
+      for (const int columns : {1, 9})
+        expect_solves(*factor, masked(MatX(matrix.A), held, 0.25), random.matrix(n, columns));
+    }
+    ASSERT_TRUE(factor->factorize(matrix.A));  // nothing of it stays
+    expect_solves(*factor, MatX(matrix.A), random.matrix(n, 3));
+  }
+}
+
+TEST_P(EachCholesky, SolvesFewEntriesAsWellAsMany) {
+  Random random(3);
+  const BlockMatrix matrix = support::random_spd(random, support::grid_graph(9, 9));
+  const int n = matrix.graph.n_unknowns();
+  const auto factor = make();
+  ASSERT_TRUE(factor->analyze(matrix.graph));
+  ASSERT_TRUE(factor->factorize(matrix.A));
+  MatX B = MatX::Zero(n, 30);  // a few columns stay empty
+  for (int j = 0; j < 25; ++j) B(random.integer(0, n - 1), j) = 1;
+  expect_solves(*factor, MatX(matrix.A), B);
+}
+
+TEST_P(EachCholesky, ReportsWhatIsNotPositiveDefinite) {
+  Random random(5);
+  const BlockMatrix good = support::random_spd(random, support::grid_graph(6, 6));
+  const int n = good.graph.n_unknowns();
+  const auto factor = make();
+  ASSERT_TRUE(factor->analyze(good.graph));
+  constexpr double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  for (const int unknown : {0, n / 2, n - 1})
+    for (const double bad : {0.0, -1.0, nan, inf, -inf}) {
+      SCOPED_TRACE(testing::Message() << bad << " at " << unknown);
+      SparseMatrix A = good.A;
+      A.coeffRef(unknown, unknown) = bad;
+      EXPECT_FALSE(factor->factorize(A));
+      EXPECT_EQ(factor->rcond(), 0);
+      std::vector<char> held(static_cast<std::size_t>(n), 0);
+      held[unknown] = 1;  // what is held is not looked at
+      EXPECT_TRUE(factor->factorize(A, held));
+      ASSERT_TRUE(factor->factorize(good.A));  // and no failure spoils what follows
+      expect_solves(*factor, MatX(good.A), random.matrix(n, 2));
+    }
+  for (const double bad : {nan, inf, 1e200}) {
+    SCOPED_TRACE(bad);
+    SparseMatrix A = good.A;
+    A.coeffRef(0, 1) = A.coeffRef(1, 0) = bad;
+    EXPECT_FALSE(factor->factorize(A));
+  }
+}
+
+TEST_P(EachCholesky, LiftsASingularMatrix) {
+  const BlockGraph graph = support::path_graph(12);
+  SparseMatrix A = make_block_matrix(graph);
+  const auto factor = make();
+  ASSERT_TRUE(factor->analyze(graph));
+  EXPECT_FALSE(factor->factorize(A));
+  ASSERT_TRUE(factor->factorize(A, {}, 4.0));
+  EXPECT_DOUBLE_EQ(factor->rcond(), 1);
+  const VecX b = VecX::LinSpaced(graph.n_unknowns(), 1, 2);
+  EXPECT_LE((factor->solve(b) - b / 4).norm(), 1e-15 * b.norm());
+}
+
+TEST_P(EachCholesky, GivesTheSameBytesWhateverItFactorisedBefore) {
+  Random random(13);
+  const BlockMatrix matrix = support::random_spd(random, support::grid_graph(8, 8));
+  const BlockMatrix other = support::random_spd(random, support::random_graph(40, 100, 2));
+  const MatX B = random.matrix(matrix.graph.n_unknowns(), 11);
+  std::vector<char> held(static_cast<std::size_t>(B.rows()), 0);
+  for (std::size_t i = 0; i < held.size(); i += 3) held[i] = 1;
+  const auto fresh = make(), used = make();
+  ASSERT_TRUE(fresh->analyze(matrix.graph));
+  ASSERT_TRUE(fresh->factorize(matrix.A, held));
+  ASSERT_TRUE(used->analyze(other.graph));
+  ASSERT_TRUE(used->factorize(other.A));
+  ASSERT_TRUE(used->analyze(matrix.graph));
+  ASSERT_TRUE(used->factorize(matrix.A));
+  EXPECT_FALSE(used->factorize(-matrix.A));
+  ASSERT_TRUE(used->factorize(matrix.A, held));
+  EXPECT_EQ(used->forward(B), fresh->forward(B));
+  EXPECT_EQ(used->solve(B), fresh->solve(B));
+  EXPECT_EQ(used->rcond(), fresh->rcond());
+}
+
+TEST_P(EachCholesky, KeepsAGivenOrderAndRefusesABadOne) {
+  Random random(17);
+  const BlockMatrix matrix = support::random_spd(random, support::grid_graph(20, 20));
+  const auto factor = make();
+  ASSERT_TRUE(factor->analyze(matrix.graph));
+  const double best = factor->cost().flops;
+  const std::vector<int> order = factor->order();
+  ASSERT_TRUE(factor->analyze(matrix.graph, order));
+  EXPECT_DOUBLE_EQ(factor->cost().flops, best);
+  std::vector<int> rows(order.size());
+  std::iota(rows.begin(), rows.end(), 0);
+  ASSERT_TRUE(factor->analyze(matrix.graph, rows));
+  EXPECT_GT(factor->cost().flops, best);  // row by row fills the band
+  ASSERT_TRUE(factor->factorize(matrix.A));
+  expect_solves(*factor, MatX(matrix.A), random.matrix(matrix.graph.n_unknowns(), 2));
+  rows[3] = 4;
+  EXPECT_THROW(factor->analyze(matrix.graph, rows), std::invalid_argument);
+  rows.pop_back();
+  EXPECT_THROW(factor->analyze(matrix.graph, rows), std::invalid_argument);
+}
+
+TEST_P(EachCholesky, RefusesMalformedGraphs) {
+  const auto factor = make();
+  const BlockGraph good = support::path_graph(4);
+  const auto refuses = [&](auto&& spoil) {
+    BlockGraph graph = good;
+    spoil(graph);
+    EXPECT_THROW(factor->analyze(graph), std::invalid_argument);
+  };
+  refuses([](BlockGraph& g) { g.starts[1] = g.starts[2]; });
+  refuses([](BlockGraph& g) { g.starts[0] = 1; });
+  refuses([](BlockGraph& g) { g.outer.pop_back(); });
+  refuses([](BlockGraph& g) { g.inner.pop_back(); });
+  refuses([](BlockGraph& g) { g.inner[0] = -1; });
+  refuses([](BlockGraph& g) { g.inner.back() = 4; });
+  refuses([](BlockGraph& g) { std::swap(g.inner[0], g.inner[1]); });
+  refuses([](BlockGraph& g) { g.inner[1] = 2; });  // 2 touches 0, but 0 does not touch 2
+}
+
+TEST(Cholesky, CountsAtLeastTheFlopsThatItsOrderTakes) {
+  // Counted column by column on the filled graph of the order it chose.
+  for (const auto& [name, graph] : support::block_graphs()) {
+    SCOPED_TRACE(name);
+    const auto factor = make_block_cholesky();
+    ASSERT_TRUE(factor->analyze(graph));
+    const FactorCost needed = support::filled_cost(graph, factor->order());
+    const FactorCost cost = factor->cost();
+    EXPECT_GE(cost.entries, needed.entries);
+    EXPECT_GE(cost.flops, needed.flops);
+    const auto cholmod = make_block_cholesky({.method = CholeskyMethod::Cholmod});
+    ASSERT_TRUE(cholmod->analyze(graph, factor->order()));
+    EXPECT_GE(cholmod->cost().flops, needed.flops);
+  }
+}
+
+TEST(Multifrontal, AgreesBetweenKernelsToRounding) {
+  Random random(23);
+  const BlockMatrix matrix = support::random_spd(random, support::grid_graph(12, 12));
+  const MatX B = random.matrix(matrix.graph.n_unknowns(), 20);
+  MatX first;
+  for (const FrontKernelSet kernels : available_front_kernels()) {
+    const auto factor = make_block_cholesky({.kernels = kernels});
+    ASSERT_TRUE(factor->analyze(matrix.graph));
+    ASSERT_TRUE(factor->factorize(matrix.A));
+    const MatX Y = factor->forward(B);
+    if (first.size() == 0) first = Y;
+    EXPECT_LE((Y - first).norm(), rounding * first.norm());
+  }
+}
+
+TEST(Multifrontal, RefusesKernelsOfAnotherProcessor) {
+  const std::vector<FrontKernelSet> available = available_front_kernels();
+  for (const FrontKernelSet kernels : {FrontKernelSet::Generic, FrontKernelSet::Avx2, FrontKernelSet::Avx512}) {
+    if (std::find(available.begin(), available.end(), kernels) == available.end())
+      EXPECT_THROW(make_block_cholesky({.kernels = kernels}), std::invalid_argument);
+    else
+      EXPECT_NE(make_block_cholesky({.kernels = kernels}), nullptr);
+  }
+}
+
+}  // namespace
+}  // namespace crease
