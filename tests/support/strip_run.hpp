@@ -47,19 +47,25 @@ struct StripSetup {
   Vec3 drift = Vec3::Zero();  // velocity that table and strip share [m/s]
 };
 
-/// One step, in halves of halves where the material step is too long; the mean edge reaction over it.
-inline Vec3 advance(SheetStepper& stepper, Cloth& cloth, std::span<const Obstacle> obstacles, double time, double h,
-                    int& cuts) {
+/// Forces on the cloth, means over a step [N].
+struct Reactions {
+  Vec3 edge = Vec3::Zero(), pin = Vec3::Zero();
+};
+
+/// One step, in halves of halves where the material step is too long.
+inline Reactions advance(SheetStepper& stepper, Cloth& cloth, std::span<const Obstacle> obstacles, double time,
+                         double h, int& cuts) {
   StepResult result = stepper.step(cloth, obstacles, time, h);
   if (result.report.status == StepStatus::EulerianStepTooLong && h > 1e-5) {
     ++cuts;
-    const Vec3 first = advance(stepper, cloth, obstacles, time, h / 2, cuts);
-    return (first + advance(stepper, cloth, obstacles, time + h / 2, h / 2, cuts)) / 2;
+    const Reactions first = advance(stepper, cloth, obstacles, time, h / 2, cuts);
+    const Reactions second = advance(stepper, cloth, obstacles, time + h / 2, h / 2, cuts);
+    return {(first.edge + second.edge) / 2, (first.pin + second.pin) / 2};
   }
   if (result.report.status != StepStatus::Done)
     throw std::runtime_error(std::string(to_string(result.report.status)) + ": " + result.report.message);
   cloth = std::move(result.cloth);
-  return result.report.edge_reaction;
+  return {result.report.edge_reaction, result.report.pin_reaction};
 }
 
 /// Steps until the fold has left the edge or `end` is reached.
@@ -80,7 +86,8 @@ inline StripRun run_strip(const StripSetup& setup, double h, double end) {
   StripRun run;
   for (int n = 1; n * h < end + 1e-9; ++n) {
     const Fold before = measure_fold(cloth, setup.strip.L);
-    const Vec3 reaction = setup.turn.transpose() * advance(stepper, cloth, scene.obstacles, (n - 1) * h, h, run.cuts);
+    const Vec3 reaction =
+        setup.turn.transpose() * advance(stepper, cloth, scene.obstacles, (n - 1) * h, h, run.cuts).edge;
     const Fold fold = measure_fold(cloth, setup.strip.L);
     run.samples.push_back({n * h, fold.overhang, fold.speed, fold.speed_spread, reaction, fold.vertices});
     // The side normal's multipliers are zero: the fold is free to leave.
