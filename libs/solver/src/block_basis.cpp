@@ -2,6 +2,7 @@
 #include "block_basis.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -156,10 +157,30 @@ SmallMatrix complete(SmallMatrix span) {
   return Z;
 }
 
+/// The commonest case by far: a vertex of three unknowns on one face.
+BlockBasis on_one_face(const LocalRow& row) {
+  const double length = row.a.norm();
+  const Vec3 normal = row.a.head<3>() / length;
+  int farthest = 0;
+  normal.cwiseAbs().minCoeff(&farthest);
+  const Vec3 first = (Vec3::Unit(farthest) - normal[farthest] * normal).normalized();
+  BlockBasis basis;
+  basis.T.resize(3, 3);
+  basis.T << normal, first, normal.cross(first);
+  basis.in = {row};
+  basis.owner = {0};
+  basis.L.resize(0, 0);
+  basis.coupling.resize(1, 0);
+  basis.length = SmallVector::Constant(1, length);
+  basis.lower = SmallVector::Constant(1, row.b / length);
+  return basis;
+}
+
 }  // namespace
 
 BlockBasis make_block_basis(int size, const std::vector<LocalRow>& equalities,
                             const std::vector<LocalRow>& inequalities, double q_scale) {
+  if (size == 3 && equalities.empty() && inequalities.size() == 1) return on_one_face(inequalities.front());
   BlockBasis basis;
   const EqualityPart eq = add_equalities(basis, size, equalities, q_scale);
   const SmallMatrix N = add_inequalities(basis, eq, inequalities, q_scale);

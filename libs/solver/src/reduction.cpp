@@ -22,6 +22,26 @@ double max_abs(const VecX& v) {
   return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
 }
 
+/// One block of H, `rows` x `columns` in a column of blocks `height` high, into the coordinates of its vertices: by a
+/// basis, or where there is none by a diagonal. N = 3 is the size of nearly all of them.
+template <int N>
+void change_basis(double* values, int height, int rows, int columns, const SmallMatrix* left,
+                  const double* left_diagonal, const SmallMatrix* right, const double* right_diagonal) {
+  constexpr int most = N == Eigen::Dynamic ? max_block : N;
+  using Block = Eigen::Matrix<double, N, N, 0, most, most>;
+  using Diagonal = Eigen::Map<const Eigen::Matrix<double, N, 1, 0, most, 1>>;
+  Eigen::Map<Block, 0, Eigen::OuterStride<>> block(values, rows, columns, Eigen::OuterStride<>(height));
+  Block result = block;
+  if (left != nullptr)
+    result = Eigen::Map<const Block>(left->data(), rows, rows).transpose().lazyProduct(block);
+  else
+    result = Diagonal(left_diagonal, rows).asDiagonal() * block;
+  if (right != nullptr)
+    block = result.lazyProduct(Eigen::Map<const Block>(right->data(), columns, columns));
+  else
+    block = result * Diagonal(right_diagonal, columns).asDiagonal();
+}
+
 }  // namespace
 
 bool Reduction::build(const QpProblem& problem) {
@@ -108,43 +128,54 @@ bool Reduction::make_bases() {
   return true;
 }
 
-/// H <- S^-1 T^T H T S^-1, block column by block column in place; S is left in scale_.
+/// H <- S^-1 T^T H T S^-1, block by block in place; S is left in scale_, T S^-1 in bases_.
 void Reduction::transform_H(const SparseMatrix& H) {
   double* values = qp_.H.valuePtr();
   const int* outer = qp_.H.outerIndexPtr();
   pattern_.gather(H, values);
   scale_.resize(qp_.H.rows());
   const double largest = H.nonZeros() == 0 ? 0.0 : H.coeffs().abs().maxCoeff();
-  const double fallback = largest > 0 ? largest : 1.0;
+  const BlockGraph& graph = pattern_.graph();
   for (int k = 0; k < pattern_.n_blocks(); ++k) {
-    const int size = pattern_.size(k), start = pattern_.start(k);
-    DenseMap column(values + outer[start], pattern_.height(k), size);
     int row = 0;
-    for (int at = pattern_.graph().outer[k]; at < pattern_.graph().outer[k + 1]; ++at) {
-      const int other = pattern_.graph().inner[at];
-      auto part = column.middleRows(row, pattern_.size(other));
-      if (basis_of_[other] >= 0) {
-        const SmallMatrix product = bases_[basis_of_[other]].T.transpose().lazyProduct(part);
-        part = product;
-      }
-      if (basis_of_[k] >= 0) {
-        const SmallMatrix product = part.lazyProduct(bases_[basis_of_[k]].T);
-        part = product;
-      }
-      if (other == k) scale_.segment(start, size) = part.diagonal();
-      row += pattern_.size(other);
-    }
-    auto scale = scale_.segment(start, size);
-    const double block_scale = scale.maxCoeff() > no_diagonal * largest ? scale.maxCoeff() : fallback;
-    for (double& s : scale) s = std::sqrt(s > no_diagonal * block_scale ? s : block_scale);
+    for (int at = graph.outer[k]; graph.inner[at] != k; ++at) row += pattern_.size(graph.inner[at]);
+    const int size = pattern_.size(k), start = pattern_.start(k);
+    set_scale(k, DenseMap(values + outer[start], pattern_.height(k), size).middleRows(row, size), largest);
   }
   const VecX inverse = scale_.cwiseInverse();
-  for (int c = 0; c < qp_.H.cols(); ++c)
-    for (int at = outer[c]; at < outer[c + 1]; ++at) values[at] *= inverse[c] * inverse[qp_.H.innerIndexPtr()[at]];
   for (size_t k = 0; k < bases_.size(); ++k) {
     const int block = basis_block_[k];
     bases_[k].T *= inverse.segment(pattern_.start(block), pattern_.size(block)).asDiagonal();
   }
+  const auto basis = [&](int block) { return basis_of_[block] < 0 ? nullptr : &bases_[basis_of_[block]].T; };
+  for (int k = 0; k < pattern_.n_blocks(); ++k) {
+    const int size = pattern_.size(k), start = pattern_.start(k), height = pattern_.height(k);
+    double* column = values + outer[start];
+    for (int at = graph.outer[k]; at < graph.outer[k + 1]; ++at) {
+      const int other = graph.inner[at], rows = pattern_.size(other);
+      if (rows == 3 && size == 3)
+        change_basis<3>(column, height, 3, 3, basis(other), inverse.data() + pattern_.start(other), basis(k),
+                        inverse.data() + start);
+      else
+        change_basis<Eigen::Dynamic>(column, height, rows, size, basis(other), inverse.data() + pattern_.start(other),
+                                     basis(k), inverse.data() + start);
+      column += rows;
+    }
+  }
+}
+
+/// Square roots of the diagonal of one block in its new coordinates.
+void Reduction::set_scale(int block, const SmallMatrix& diagonal_block, double largest) {
+  auto scale = scale_.segment(pattern_.start(block), pattern_.size(block));
+  if (basis_of_[block] >= 0) {
+    const SmallMatrix& T = bases_[basis_of_[block]].T;
+    scale = T.cwiseProduct(diagonal_block.lazyProduct(T)).colwise().sum().transpose();
+  } else {
+    scale = diagonal_block.diagonal();
+  }
+  const double fallback = largest > 0 ? largest : 1.0;
+  const double block_scale = scale.maxCoeff() > no_diagonal * largest ? scale.maxCoeff() : fallback;
+  for (double& s : scale) s = std::sqrt(s > no_diagonal * block_scale ? s : block_scale);
 }
 
 /// One general row in the new coordinates.

@@ -76,6 +76,7 @@ class Reduction {
   void sort_rows(const SparseRows& A, const VecX& b, bool equality);
   bool make_bases();
   void transform_H(const SparseMatrix& H);
+  void set_scale(int block, const SmallMatrix& diagonal_block, double largest);
   TransformedRow transform_row(const SparseRows& A, int row) const;
   bool add_general_rows(const QpProblem& problem);
 
