@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+//
+// What a step costs, stage by stage, against one factorisation and one solve of its own matrix: of every step of a
+// scene's run, in the same process and on one thread, so that the machine's drift hits both. Processor time of the
+// thread; medians. Ipopt solves one program in fifty for comparison.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "crease/geometry/dof_map.hpp"
+#include "crease/solver/block_cholesky.hpp"
+#include "crease/stepper/run.hpp"
+
+namespace crease {
+namespace {
+
+constexpr int ipopt_every = 50;
+
+double thread_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Processor time of one call.
+template <class Call>
+auto timed(double& seconds, Call&& call) {
+  const double start = thread_seconds();
+  auto result = call();
+  seconds += thread_seconds() - start;
+  return result;
+}
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+/// The time of one step; of several attempts at it, all.
+struct StepTimes {
+  double detect = 0, remesh = 0, constrain = 0, solve = 0, whole = 0;
+  double own = 0, cholmod = 0, aside = 0;  ///< factor and solve, and all that is measured beside the step
+  int programs = 0;
+  bool changed = false;  ///< the mesh or the EOL set
+};
+
+class Measurement {
+ public:
+  Stages wrap(const Scene& scene, const ClothSpec& spec);
+  void end_step(const RunProgress& progress);
+  void report(const std::string& scene) const;
+
+ private:
+  QpResult measure_program(const QpProblem& problem, std::span<const char> guess, const Stages& stages);
+  void factor_and_solve(const QpProblem& problem);
+
+  StepTimes now_;
+  double last_ = thread_seconds();
+  double worst_residual_ = 0;
+  int n_programs_ = 0, most_faces_ = 0;
+  std::vector<StepTimes> steps_;
+  std::vector<double> ipopt_ratio_;
+  std::unique_ptr<BlockCholesky> own_ = make_block_cholesky();
+  std::unique_ptr<BlockCholesky> cholmod_ = make_block_cholesky({CholeskyMethod::Cholmod, FrontKernelSet::Best});
+};
+
+BlockGraph graph_of(const QpProblem& problem) {
+  BlockGraph graph;
+  graph.starts = problem.blocks;
+  std::vector<int> block_of(static_cast<std::size_t>(problem.H.rows()));
+  for (int k = 0; k < graph.n_blocks(); ++k)
+    std::fill(block_of.begin() + graph.starts[k], block_of.begin() + graph.starts[k + 1], k);
+  for (int k = 0; k < graph.n_blocks(); ++k) {
+    for (SparseMatrix::InnerIterator entry(problem.H, graph.starts[k]); entry; ++entry)
+      if (const int other = block_of[entry.row()];
+          static_cast<int>(graph.inner.size()) == graph.outer.back() || graph.inner.back() != other)
+        graph.inner.push_back(other);
+    graph.outer.push_back(static_cast<int>(graph.inner.size()));
+  }
+  return graph;
+}
+
+/// The floor: numbers only, the analysis is not counted. Held unknowns do not change the pattern, so none are held; the
+/// lift makes the undecided unknowns of flat cloth regular.
+void Measurement::factor_and_solve(const QpProblem& problem) {
+  const BlockGraph graph = graph_of(problem);
+  const double lift = 1e-6 * problem.H.diagonal().maxCoeff();
+  const MatX b = problem.f;
+  for (const auto& [factor, seconds] : {std::pair{own_.get(), &now_.own}, std::pair{cholmod_.get(), &now_.cholmod}}) {
+    if (!factor->analyze(graph)) std::exit((std::fprintf(stderr, "step_benchmark: analysis failed\n"), 1));
+    timed(*seconds, [&] { return factor->factorize(problem.H, {}, lift) && factor->solve(b).allFinite(); });
+  }
+}
+
+QpResult Measurement::measure_program(const QpProblem& problem, std::span<const char> guess, const Stages& stages) {
+  QpResult result = timed(now_.solve, [&] { return stages.solve(problem, guess); });
+  timed(now_.aside, [&] {
+    worst_residual_ = std::max(worst_residual_, result.kkt_residual);
+    if (now_.programs++ == 0) factor_and_solve(problem);
+    if (n_programs_++ % ipopt_every == 0) {
+      double ours = 0, theirs = 0;
+      timed(ours, [&] { return stages.solve(problem, guess); });
+      timed(theirs, [&] { return make_qp_solver(QpMethod::Ipopt)->solve(problem); });
+      ipopt_ratio_.push_back(theirs / ours);
+    }
+    return 0;
+  });
+  return result;
+}
+
+Stages Measurement::wrap(const Scene& scene, const ClothSpec& spec) {
+  const Stages plain = make_stages(scene, spec);
+  Stages stages;
+  if (plain.detect)
+    stages.detect = [this, plain](const auto&... given) {
+      return timed(now_.detect, [&] { return plain.detect(given...); });
+    };
+  if (plain.remesh)
+    stages.remesh = [this, plain](const auto&... given) {
+      RemeshResult result = timed(now_.remesh, [&] { return plain.remesh(given...); });
+      const RemeshReport& report = result.report;
+      now_.changed |= report.splits + report.flips + report.collapses + report.inserted + report.released > 0;
+      return result;
+    };
+  if (plain.constrain)
+    stages.constrain = [this, plain](const auto&... given) {
+      return timed(now_.constrain, [&] { return plain.constrain(given...); });
+    };
+  if (plain.solve)
+    stages.solve = [this, plain](const QpProblem& problem, std::span<const char> guess) {
+      return measure_program(problem, guess, plain);
+    };
+  return stages;
+}
+
+void Measurement::end_step(const RunProgress& progress) {
+  const double time = thread_seconds();
+  now_.whole = time - last_ - now_.aside;
+  steps_.push_back(std::exchange(now_, {}));
+  most_faces_ = std::max(most_faces_, progress.faces);
+  last_ = thread_seconds();
+}
+
+void Measurement::report(const std::string& scene) const {
+  const auto median = [&](auto of, auto... choice) {
+    std::vector<double> values;
+    for (const StepTimes& step : steps_)
+      if ((choice(step) && ...)) values.push_back(of(step));
+    return quantile(values, 0.5);
+  };
+  std::vector<double> by_own, by_cholmod;
+  for (const StepTimes& s : steps_) {
+    if (s.programs != 1) continue;
+    by_own.push_back(s.solve / s.own), by_cholmod.push_back(s.solve / s.cholmod);
+  }
+  const auto over_cholmod = [](const StepTimes& s) { return s.cholmod > 0 ? s.whole / s.cholmod : 0; };
+  const auto still = [](const StepTimes& s) { return !s.changed && s.programs == 1; };
+  const auto moved = [](const StepTimes& s) { return s.changed && s.programs == 1; };
+  std::printf(
+      "| %s | %d | %zu | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f (%.2f) | %.2f | %.0f | %.2f | %.2f | %.0e |\n",
+      scene.c_str(), most_faces_, steps_.size(), 1e3 * median([](auto& s) { return s.detect; }),
+      1e3 * median([](auto& s) { return s.remesh; }), 1e3 * median([](auto& s) { return s.solve; }),
+      1e3 * median([](auto& s) { return s.whole; }), 1e3 * median([](auto& s) { return s.own; }),
+      1e3 * median([](auto& s) { return s.cholmod; }), quantile(by_own, 0.5), quantile(by_own, 0.9),
+      quantile(by_cholmod, 0.5), quantile(ipopt_ratio_, 0.5), median(over_cholmod, still), median(over_cholmod, moved),
+      worst_residual_);
+}
+
+void measure(const std::string& file, double until, const std::vector<std::pair<std::string, std::string>>& changes) {
+  const std::filesystem::path directory = std::filesystem::temp_directory_path() / "crease_step_benchmark";
+  Measurement measurement;
+  RunOptions options;
+  options.directory = directory;
+  options.force = true;
+  options.until = until;
+  options.stages = [&](const Scene& scene, const ClothSpec& spec) { return measurement.wrap(scene, spec); };
+  const RunResult result = run_scene(load_scene(file, changes), options, [&](const RunProgress& progress) {
+    measurement.end_step(progress);
+    return true;
+  });
+  if (result.status != RunStatus::Done) std::fprintf(stderr, "%s: %s\n", file.c_str(), result.message.c_str());
+  measurement.report(std::filesystem::path(file).stem().string());
+  std::filesystem::remove_all(directory);
+}
+
+}  // namespace
+}  // namespace crease
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: step_benchmark SECONDS SCENE.json.. [--set KEY=VALUE]..\n");
+    return 2;
+  }
+  std::vector<std::string> scenes;
+  std::vector<std::pair<std::string, std::string>> changes;
+  for (int i = 2; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--set" && i + 1 < argc) {
+      const std::string change = argv[++i];
+      changes.emplace_back(change.substr(0, change.find('=')), change.substr(change.find('=') + 1));
+    } else {
+      scenes.push_back(word);
+    }
+  }
+  std::printf(
+      "| scene | faces | steps | detect [ms] | remesh | QP | whole step | own factor + solve | CHOLMOD's | QP / own "
+      "(p90) | "
+      "QP / CHOLMOD's | Ipopt / QP | step / CHOLMOD's, mesh kept | mesh changed | largest KKT residual |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const std::string& scene : scenes) crease::measure(scene, std::atof(argv[1]), changes);
+}
