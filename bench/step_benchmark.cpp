@@ -148,28 +148,26 @@ void Measurement::end_step(const RunProgress& progress) {
 }
 
 void Measurement::report(const std::string& scene) const {
-  const auto median = [&](auto of, auto... choice) {
+  const auto median = [&](double StepTimes::*time) {
     std::vector<double> values;
-    for (const StepTimes& step : steps_)
-      if ((choice(step) && ...)) values.push_back(of(step));
+    for (const StepTimes& step : steps_) values.push_back(1e3 * step.*time);
     return quantile(values, 0.5);
   };
-  std::vector<double> by_own, by_cholmod;
-  for (const StepTimes& s : steps_) {
-    if (s.programs != 1) continue;
-    by_own.push_back(s.solve / s.own), by_cholmod.push_back(s.solve / s.cholmod);
-  }
-  const auto over_cholmod = [](const StepTimes& s) { return s.cholmod > 0 ? s.whole / s.cholmod : 0; };
-  const auto still = [](const StepTimes& s) { return !s.changed && s.programs == 1; };
-  const auto moved = [](const StepTimes& s) { return s.changed && s.programs == 1; };
-  std::printf(
-      "| %s | %d | %zu | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f (%.2f) | %.2f | %.0f | %.2f | %.2f | %.0e |\n",
-      scene.c_str(), most_faces_, steps_.size(), 1e3 * median([](auto& s) { return s.detect; }),
-      1e3 * median([](auto& s) { return s.remesh; }), 1e3 * median([](auto& s) { return s.solve; }),
-      1e3 * median([](auto& s) { return s.whole; }), 1e3 * median([](auto& s) { return s.own; }),
-      1e3 * median([](auto& s) { return s.cholmod; }), quantile(by_own, 0.5), quantile(by_own, 0.9),
-      quantile(by_cholmod, 0.5), quantile(ipopt_ratio_, 0.5), median(over_cholmod, still), median(over_cholmod, moved),
-      worst_residual_);
+  const auto ratio = [&](double StepTimes::*time, double StepTimes::*floor, bool changed, double share) {
+    std::vector<double> values;
+    for (const StepTimes& step : steps_)
+      if (step.programs == 1 && step.changed == changed) values.push_back(step.*time / step.*floor);
+    return quantile(values, share);
+  };
+  using S = StepTimes;
+  std::printf("| %s | %d | %zu |", scene.c_str(), most_faces_, steps_.size());
+  for (double S::*time : {&S::detect, &S::remesh, &S::solve, &S::whole, &S::own, &S::cholmod})
+    std::printf(" %.2f |", median(time));
+  std::printf(" %.2f (%.2f) | %.2f |", ratio(&S::solve, &S::own, false, 0.5), ratio(&S::solve, &S::own, false, 0.9),
+              ratio(&S::solve, &S::own, true, 0.5));
+  std::printf(" %.2f | %.2f |", ratio(&S::solve, &S::cholmod, false, 0.5), ratio(&S::solve, &S::cholmod, true, 0.5));
+  std::printf(" %.2f | %.2f |", ratio(&S::whole, &S::cholmod, false, 0.5), ratio(&S::whole, &S::cholmod, true, 0.5));
+  std::printf(" %.0f | %.0e |\n", quantile(ipopt_ratio_, 0.5), worst_residual_);
 }
 
 void measure(const std::string& file, double until, const std::vector<std::pair<std::string, std::string>>& changes) {
@@ -209,9 +207,10 @@ int main(int argc, char** argv) {
     }
   }
   std::printf(
-      "| scene | faces | steps | detect [ms] | remesh | QP | whole step | own factor + solve | CHOLMOD's | QP / own "
-      "(p90) | "
-      "QP / CHOLMOD's | Ipopt / QP | step / CHOLMOD's, mesh kept | mesh changed | largest KKT residual |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "Milliseconds; ratios of steps that keep the mesh / of those that change it.\n\n"
+      "| scene | faces | steps | detect | remesh | QP | whole step | own factor + solve | CHOLMOD's | QP / own's (p90) "
+      "| "
+      "changed | QP / CHOLMOD's | changed | step / CHOLMOD's | changed | Ipopt / QP | KKT residual, largest |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& scene : scenes) crease::measure(scene, std::atof(argv[1]), changes);
 }

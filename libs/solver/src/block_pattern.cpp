@@ -94,4 +94,34 @@ void BlockPattern::gather(const SparseMatrix& H, double* values) const {
   }
 }
 
+// Column by column: by symmetry a column's product with x is an entry of the result, and no entry is met twice.
+VecX multiply(const BlockGraph& graph, const SparseMatrix& H, const VecX& x) {
+  VecX y(x.size());
+  const double* values = H.valuePtr();
+  for (int k = 0; k < graph.n_blocks(); ++k) {
+    const int start = graph.starts[k], size = graph.size(k);
+    const int height = H.outerIndexPtr()[start + 1] - H.outerIndexPtr()[start];
+    const double* column = values + H.outerIndexPtr()[start];
+    if (size == 3) {
+      Vec3 sum = Vec3::Zero();
+      for (int at = graph.outer[k]; at < graph.outer[k + 1]; ++at) {
+        const int other = graph.starts[graph.inner[at]], rows = graph.size(graph.inner[at]);
+        for (int i = 0; i < rows; ++i)
+          sum += x[other + i] * Vec3(column[i], column[height + i], column[2 * height + i]);
+        column += rows;
+      }
+      y.segment<3>(start) = sum;
+      continue;
+    }
+    for (int c = 0; c < size; ++c) {
+      double sum = 0;
+      const double* entry = column + static_cast<std::ptrdiff_t>(c) * height;
+      for (int at = graph.outer[k]; at < graph.outer[k + 1]; ++at)
+        for (int i = graph.starts[graph.inner[at]]; i < graph.starts[graph.inner[at] + 1]; ++i) sum += *entry++ * x[i];
+      y[start + c] = sum;
+    }
+  }
+  return y;
+}
+
 }  // namespace crease

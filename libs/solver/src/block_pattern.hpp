@@ -8,6 +8,9 @@
 
 namespace crease {
 
+/// H x of a symmetric matrix of make_block_matrix(graph).
+VecX multiply(const BlockGraph& graph, const SparseMatrix& H, const VecX& x);
+
 /// The sparsity of H rounded up to whole blocks, so that a change of basis inside the blocks does not alter it.
 /// The values of one block column then lie in memory as one dense column-major matrix, `height` x block size.
 class BlockPattern {

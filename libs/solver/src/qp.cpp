@@ -101,12 +101,24 @@ RowResiduals row_residuals(const SparseRows& A, const VecX& b, const VecX& q, co
   return worst;
 }
 
-/// Largest absolute row sum.
-double row_sum_norm(const SparseMatrix& H) {
-  VecX sums = VecX::Zero(H.rows());
-  for (int c = 0; c < H.outerSize(); ++c)
-    for (SparseMatrix::InnerIterator entry(H, c); entry; ++entry) sums[entry.row()] += std::abs(entry.value());
-  return max_abs(sums);
+struct Product {
+  VecX Hq;
+  double row_sum = 0;  ///< largest sum of the sizes of a row's entries
+};
+
+/// Of a symmetric H, whose columns are its rows.
+Product multiply(const SparseMatrix& H, const VecX& q) {
+  Product product{VecX(H.cols())};
+  for (int c = 0; c < H.outerSize(); ++c) {
+    double value = 0, size = 0;
+    for (SparseMatrix::InnerIterator entry(H, c); entry; ++entry) {
+      value += entry.value() * q[entry.row()];
+      size += std::abs(entry.value());
+    }
+    product.Hq[c] = value;
+    product.row_sum = std::max(product.row_sum, size);
+  }
+  return product;
 }
 
 }  // namespace
@@ -179,11 +191,10 @@ double kkt_residual(const QpProblem& problem, const VecX& q, const VecX& lambda_
       q.size() == n && lambda_eq.size() == problem.b_eq.size() && lambda_in.size() == problem.b_in.size();
   if (!shapes || !q.allFinite() || !lambda_eq.allFinite() || !lambda_in.allFinite())
     return std::numeric_limits<double>::infinity();
-  const VecX Hq = problem.H * q;
+  const auto [Hq, stiffness] = multiply(problem.H, q);
   VecX reaction = VecX::Zero(n);
   if (lambda_eq.size() > 0) reaction += problem.A_eq.transpose() * lambda_eq;
   if (lambda_in.size() > 0) reaction += problem.A_in.transpose() * lambda_in;
-  const double stiffness = row_sum_norm(problem.H);
   const double force_scale = std::max(
       {tiny_scale, max_abs(problem.f), max_abs(Hq), max_abs(reaction), cancellation_share * stiffness * max_abs(q)});
   const double q_scale = std::max(max_abs(q), max_abs(problem.f) / std::max(tiny_scale, stiffness));

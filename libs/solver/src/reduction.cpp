@@ -8,7 +8,7 @@
 namespace crease {
 namespace {
 
-using DenseMap = Eigen::Map<MatX>;
+using DenseMap = Eigen::Map<const MatX>;
 
 /// A diagonal entry of H this small beside the others of its block is rounding of zero; scaling by it would blow the
 /// rounding up to a stiffness. Scaled by the block instead it stays what it is: singular, and seen as such.
@@ -25,32 +25,34 @@ double max_abs(const VecX& v) {
 /// One block of H, `rows` x `columns` in a column of blocks `height` high, into the coordinates of its vertices: by a
 /// basis, or where there is none by a diagonal. N = 3 is the size of nearly all of them.
 template <int N>
-void change_basis(double* values, int height, int rows, int columns, const SmallMatrix* left,
+void change_basis(const double* from, double* to, int height, int rows, int columns, const SmallMatrix* left,
                   const double* left_diagonal, const SmallMatrix* right, const double* right_diagonal) {
   constexpr int most = N == Eigen::Dynamic ? max_block : N;
   using Block = Eigen::Matrix<double, N, N, 0, most, most>;
   using Diagonal = Eigen::Map<const Eigen::Matrix<double, N, 1, 0, most, 1>>;
-  Eigen::Map<Block, 0, Eigen::OuterStride<>> block(values, rows, columns, Eigen::OuterStride<>(height));
-  Block result = block;
+  const Eigen::Map<const Block, 0, Eigen::OuterStride<>> given(from, rows, columns, Eigen::OuterStride<>(height));
+  Eigen::Map<Block, 0, Eigen::OuterStride<>> result(to, rows, columns, Eigen::OuterStride<>(height));
+  Block half(rows, columns);
   if (left != nullptr)
-    result = Eigen::Map<const Block>(left->data(), rows, rows).transpose().lazyProduct(block);
+    half = Eigen::Map<const Block>(left->data(), rows, rows).transpose().lazyProduct(given);
   else
-    result = Diagonal(left_diagonal, rows).asDiagonal() * block;
+    half = Diagonal(left_diagonal, rows).asDiagonal() * given;
   if (right != nullptr)
-    block = result.lazyProduct(Eigen::Map<const Block>(right->data(), columns, columns));
+    result = half.lazyProduct(Eigen::Map<const Block>(right->data(), columns, columns));
   else
-    block = result * Diagonal(right_diagonal, columns).asDiagonal();
+    result = half * Diagonal(right_diagonal, columns).asDiagonal();
 }
 
 }  // namespace
 
 bool Reduction::build(const QpProblem& problem) {
+  qp_.graph = &pattern_.graph();
   if (pattern_.update(problem)) qp_.H = make_block_matrix(pattern_.graph());
   n_eq_ = static_cast<int>(problem.b_eq.size());
   n_in_ = static_cast<int>(problem.b_in.size());
-  const double largest = problem.H.nonZeros() == 0 ? 0.0 : problem.H.coeffs().abs().maxCoeff();
+  largest_ = problem.H.nonZeros() == 0 ? 0.0 : problem.H.coeffs().abs().maxCoeff();
   q_scale_ = std::max(max_abs(problem.b_eq), max_abs(problem.b_in));
-  if (largest > 0) q_scale_ = std::max(q_scale_, max_abs(problem.f) / largest);
+  if (largest_ > 0) q_scale_ = std::max(q_scale_, max_abs(problem.f) / largest_);
   const auto n_blocks = static_cast<size_t>(pattern_.n_blocks());
   local_eq_.resize(n_blocks);
   local_in_.resize(n_blocks);
@@ -128,19 +130,19 @@ bool Reduction::make_bases() {
   return true;
 }
 
-/// H <- S^-1 T^T H T S^-1, block by block in place; S is left in scale_, T S^-1 in bases_.
+/// S^-1 T^T H T S^-1, block by block; S is left in scale_, T S^-1 in bases_.
 void Reduction::transform_H(const SparseMatrix& H) {
   double* values = qp_.H.valuePtr();
   const int* outer = qp_.H.outerIndexPtr();
-  pattern_.gather(H, values);
+  if (!pattern_.is_full()) pattern_.gather(H, values);
+  const double* given = pattern_.is_full() ? H.valuePtr() : values;
   scale_.resize(qp_.H.rows());
-  const double largest = H.nonZeros() == 0 ? 0.0 : H.coeffs().abs().maxCoeff();
   const BlockGraph& graph = pattern_.graph();
   for (int k = 0; k < pattern_.n_blocks(); ++k) {
     int row = 0;
     for (int at = graph.outer[k]; graph.inner[at] != k; ++at) row += pattern_.size(graph.inner[at]);
     const int size = pattern_.size(k), start = pattern_.start(k);
-    set_scale(k, DenseMap(values + outer[start], pattern_.height(k), size).middleRows(row, size), largest);
+    set_scale(k, DenseMap(given + outer[start], pattern_.height(k), size).middleRows(row, size));
   }
   const VecX inverse = scale_.cwiseInverse();
   for (size_t k = 0; k < bases_.size(); ++k) {
@@ -150,22 +152,23 @@ void Reduction::transform_H(const SparseMatrix& H) {
   const auto basis = [&](int block) { return basis_of_[block] < 0 ? nullptr : &bases_[basis_of_[block]].T; };
   for (int k = 0; k < pattern_.n_blocks(); ++k) {
     const int size = pattern_.size(k), start = pattern_.start(k), height = pattern_.height(k);
-    double* column = values + outer[start];
+    const double* from = given + outer[start];
+    double* to = values + outer[start];
     for (int at = graph.outer[k]; at < graph.outer[k + 1]; ++at) {
       const int other = graph.inner[at], rows = pattern_.size(other);
       if (rows == 3 && size == 3)
-        change_basis<3>(column, height, 3, 3, basis(other), inverse.data() + pattern_.start(other), basis(k),
+        change_basis<3>(from, to, height, 3, 3, basis(other), inverse.data() + pattern_.start(other), basis(k),
                         inverse.data() + start);
       else
-        change_basis<Eigen::Dynamic>(column, height, rows, size, basis(other), inverse.data() + pattern_.start(other),
+        change_basis<Eigen::Dynamic>(from, to, height, rows, size, basis(other), inverse.data() + pattern_.start(other),
                                      basis(k), inverse.data() + start);
-      column += rows;
+      from += rows, to += rows;
     }
   }
 }
 
 /// Square roots of the diagonal of one block in its new coordinates.
-void Reduction::set_scale(int block, const SmallMatrix& diagonal_block, double largest) {
+void Reduction::set_scale(int block, const SmallMatrix& diagonal_block) {
   auto scale = scale_.segment(pattern_.start(block), pattern_.size(block));
   if (basis_of_[block] >= 0) {
     const SmallMatrix& T = bases_[basis_of_[block]].T;
@@ -173,8 +176,8 @@ void Reduction::set_scale(int block, const SmallMatrix& diagonal_block, double l
   } else {
     scale = diagonal_block.diagonal();
   }
-  const double fallback = largest > 0 ? largest : 1.0;
-  const double block_scale = scale.maxCoeff() > no_diagonal * largest ? scale.maxCoeff() : fallback;
+  const double fallback = largest_ > 0 ? largest_ : 1.0;
+  const double block_scale = scale.maxCoeff() > no_diagonal * largest_ ? scale.maxCoeff() : fallback;
   for (double& s : scale) s = std::sqrt(s > no_diagonal * block_scale ? s : block_scale);
 }
 

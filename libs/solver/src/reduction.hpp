@@ -16,7 +16,8 @@ enum class Coordinate : char { Free, Bounded, Fixed };
 ///   minimise 1/2 u^T H u - f^T u   s.t.  u_i = bound_i (Fixed),  u_i >= bound_i (Bounded),  rows u = | >= rhs.
 /// Coordinates are scaled to a unit diagonal of H and rows to unit length, so tolerances are plain numbers.
 struct ReducedQp {
-  SparseMatrix H;  ///< both triangles, pattern of whole blocks
+  SparseMatrix H;                     ///< both triangles, pattern of whole blocks
+  const BlockGraph* graph = nullptr;  ///< of those
   VecX f;
   std::vector<Coordinate> kind;
   VecX bound;
@@ -76,12 +77,13 @@ class Reduction {
   void sort_rows(const SparseRows& A, const VecX& b, bool equality);
   bool make_bases();
   void transform_H(const SparseMatrix& H);
-  void set_scale(int block, const SmallMatrix& diagonal_block, double largest);
+  void set_scale(int block, const SmallMatrix& diagonal_block);
   TransformedRow transform_row(const SparseRows& A, int row) const;
   bool add_general_rows(const QpProblem& problem);
 
   BlockPattern pattern_;
   ReducedQp qp_;
+  double largest_ = 0;  ///< entry of H
   double q_scale_ = 0;
   int n_in_ = 0, n_eq_ = 0;
   std::vector<std::vector<LocalRow>> local_eq_, local_in_;  ///< one a block

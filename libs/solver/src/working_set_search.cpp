@@ -35,7 +35,7 @@ SearchStatus WorkingSetSearch::run(const Anchor& anchor, WorkingSet& set, Reduce
 }
 
 VecX WorkingSetSearch::gradient(const ReducedPoint& point) const {
-  VecX g = qp_.H * point.u - qp_.f;
+  VecX g = multiply(*qp_.graph, qp_.H, point.u) - qp_.f;
   if (qp_.n_rows() > 0) g -= qp_.rows.transpose() * point.row_lambda;
   return g;
 }
