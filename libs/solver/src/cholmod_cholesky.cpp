@@ -68,9 +68,9 @@ bool CholmodCholesky::analyze(const BlockGraph& graph, std::span<const int> orde
   numeric_.reset();
   symbolic_.reset();
   rcond_ = 0;
-  order_.assign(order.begin(), order.end());
-  if (order_.empty()) order_ = minimum_degree_order(graph);
-  if (static_cast<int>(order_.size()) != graph.n_blocks()) return false;
+  std::optional<std::vector<int>> chosen = choose_order(graph, order);
+  if (!chosen) return false;
+  order_ = *std::move(chosen);
   masked_ = make_block_matrix(graph);
   std::vector<int> unknowns;
   unknowns.reserve(static_cast<size_t>(graph.n_unknowns()));

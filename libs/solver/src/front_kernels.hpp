@@ -46,6 +46,12 @@ struct FrontKernels {
   /// @return false at the first pivot that is not positive and finite
   bool (*factorize)(FrontShape shape, double* L, double* U);
 
+  /// Adds the update of a child, with `n` border rows, to the front: entry (i, j) of its lower triangle to row rows[i],
+  /// column rows[j]. Rows of the front count from its first pivot and through the padding, and `rows` ascends, pivots
+  /// first: the first `n_pivots` columns go to L, the others to U.
+  void (*add_to_pivots)(FrontShape shape, int n, int n_pivots, const int* rows, const double* update, double* L);
+  void (*add_to_update)(FrontShape shape, int n, int n_pivots, const int* rows, const double* update, double* U);
+
   /// y <- L_pp^-1 y;  product = L_bp y, padded to whole panels
   void (*forward)(FrontShape shape, const double* L, double* y, double* product);
   /// y <- L_pp^-T (y - L_bp^T below), `below` padded to whole panels with zeros

@@ -127,6 +127,57 @@ bool factorize(FrontShape shape, double* L, double* U) {
   return true;
 }
 
+/// Rows of one panel of a child that belong into one panel of its parent.
+struct RowGroup {
+  int begin, end;   ///< rows of the child's panel
+  int lane[8];      ///< where each goes, by row of the child's panel
+  double* target;   ///< the parent's panel
+  const int* rows;  ///< of the parent, for the child's columns
+  int shift;        ///< number of the parent's row whose column comes first in `target`
+
+  CREASE_ALWAYS_INLINE double* column(int j) const { return target + 8 * (rows[j] - shift); }
+};
+
+/// Columns begin..end, in which all rows of the group lie on or below the diagonal.
+inline void add_columns(const RowGroup& group, int begin, int end, const double* values) {
+  if constexpr (lanes == 8) {
+    // One permutation moves a whole column; lanes of other groups are masked.
+    typedef long long Lanes __attribute__((vector_size(8 * lanes)));
+    Lanes from = {}, mask = {};
+    for (int i = group.begin; i < group.end; ++i) from[group.lane[i]] = i, mask[group.lane[i]] = -1;
+    for (int j = begin; j < end; ++j)
+      at(group.column(j)) += (Vector)((Lanes)__builtin_shuffle(at(values + 8 * j), from) & mask);
+  } else {
+    for (int j = begin; j < end; ++j)
+      for (int i = group.begin; i < group.end; ++i) group.column(j)[group.lane[i]] += values[8 * j + i];
+  }
+}
+
+enum class Part { Pivots, Update };
+
+template <Part part>
+void add_child(FrontShape shape, int n, int n_pivots, const int* rows, const double* update, double* target) {
+  const int begin = part == Part::Pivots ? 0 : n_pivots, end = part == Part::Pivots ? n_pivots : n;
+  RowGroup group{};
+  group.rows = rows;
+  group.shift = part == Part::Pivots ? 0 : 8 * shape.column_panels();
+  for (int first = begin - begin % 8; first < n; first += 8) {
+    const double* values = update + FrontShape::update_panel(first / 8);
+    const int last = smaller(8, n - first);
+    for (group.end = first < begin ? begin - first : 0; group.end < last;) {
+      group.begin = group.end;
+      const int panel = (rows[first + group.begin] - group.shift) / 8;
+      for (; group.end < last && (rows[first + group.end] - group.shift) / 8 == panel; ++group.end)
+        group.lane[group.end] = (rows[first + group.end] - group.shift) % 8;
+      group.target = target + (part == Part::Pivots ? static_cast<std::size_t>(panel) * shape.row_panel_size()
+                                                    : FrontShape::update_panel(panel));
+      add_columns(group, begin, smaller(end, first + group.begin + 1), values);
+      for (int j = first + group.begin + 1; j < smaller(end, first + group.end); ++j)
+        for (int i = j - first; i < group.end; ++i) group.column(j)[group.lane[i]] += values[8 * j + i];
+    }
+  }
+}
+
 /// out <- A y for one panel.
 inline void panel_times(const double* A, int depth, const double* y, double* out) {
   for (int v = 0; v < parts; ++v) {
@@ -213,7 +264,7 @@ void forward_batch(FrontShape shape, const double* L, int n_panels, double* cons
 }
 
 constexpr FrontKernels make_kernels(const char* name) {
-  return {name, factorize, forward, backward, forward_batch};
+  return {name, factorize, add_child<Part::Pivots>, add_child<Part::Update>, forward, backward, forward_batch};
 }
 
 }  // namespace

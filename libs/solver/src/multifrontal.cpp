@@ -16,13 +16,10 @@ bool Multifrontal::analyze(const BlockGraph& graph, std::span<const int> order) 
   factorized_ = false;
   rcond_ = 0;
   graph_ = graph;
-  std::vector<int> own;
-  if (order.empty()) {
-    own = minimum_degree_order(graph);
-    if (own.empty() && graph.n_blocks() > 0) return false;
-    order = own;
-  }
-  tree_ = make_supernode_tree(graph, order);
+  std::optional<std::vector<int>> chosen = choose_order(graph, order);
+  if (!chosen) return false;
+  order_ = *std::move(chosen);
+  tree_ = make_supernode_tree(graph, order_);
   depth_.assign(tree_.parent.size(), 0);
   first_child_.assign(tree_.parent.size(), -1);
   next_child_.assign(tree_.parent.size(), -1);
@@ -47,17 +44,19 @@ void Multifrontal::collect_entries() {
     for (int at = graph_.outer[k]; at < graph_.outer[k + 1]; ++at) heights_[k] += graph_.size(graph_.inner[at]);
     values_at_[k + 1] = values_at_[k] + heights_[k] * graph_.size(k);
   }
-  entries_.clear();
+  entries_.resize(graph_.inner.size() + 1);
   entries_at_.assign(1, 0);
+  int n_entries = 0;
   for (int position = 0; position < n_blocks; ++position) {
     const int block = tree_.order[position];
     int offset = 0;
     for (int at = graph_.outer[block]; at < graph_.outer[block + 1]; ++at) {
       const int other = graph_.inner[at];
-      if (tree_.position[other] >= position) entries_.push_back({tree_.position[other], offset});
+      entries_[n_entries] = {tree_.position[other], offset};
+      n_entries += tree_.position[other] >= position;  // which looks random: no branch
       offset += graph_.size(other);
     }
-    entries_at_.push_back(static_cast<int>(entries_.size()));
+    entries_at_.push_back(n_entries);
   }
 }
 
@@ -73,6 +72,8 @@ void Multifrontal::lay_out(std::span<const char> held) {
   free_at_.push_back(static_cast<int>(unknown_.size()));
   for (int i = 0; i < graph_.n_unknowns(); ++i)
     if (!held.empty() && held[i]) unknown_.push_back(i);
+  place_.resize(unknown_.size());
+  for (std::size_t k = 0; k < unknown_.size(); ++k) place_[unknown_[k]] = static_cast<int>(k);
   fronts_.resize(tree_.parent.size());
   border_.clear();
   cost_ = {};
@@ -114,11 +115,13 @@ class Multifrontal::Assembly {
     begin(owner_.fronts_[s]);
     std::fill(L_, L_ + front_->shape.factor_size(), 0.0);
     for (int position = owner_.tree_.first[s]; position < owner_.tree_.first[s + 1]; ++position) add_columns(position);
-    for (int c = owner_.first_child_[s]; c >= 0; c = owner_.next_child_[c]) add_to_pivots(c);
+    for (int c = owner_.first_child_[s]; c >= 0; c = owner_.next_child_[c])
+      add_child(c, owner_.kernels_.add_to_pivots, L_);
     // The update is written over by the product, so the children's shares of it come after.
     double* U = update_of(s);
     if (!owner_.kernels_.factorize(front_->shape, L_, U)) return false;
-    for (int c = owner_.first_child_[s]; c >= 0; c = owner_.next_child_[c]) add_to_update(c, U);
+    for (int c = owner_.first_child_[s]; c >= 0; c = owner_.next_child_[c])
+      add_child(c, owner_.kernels_.add_to_update, U);
     return true;
   }
 
@@ -138,10 +141,13 @@ class Multifrontal::Assembly {
 
   bool is_pivot(int unknown) const { return unknown < front_->first + front_->shape.pivots; }
 
+  int row_of(int unknown) const {
+    return is_pivot(unknown) ? unknown - front_->first
+                             : FrontShape::panel * front_->shape.column_panels() + border_index_[unknown];
+  }
   /// Of a row of L, from the begin of a column.
   int row_place(int unknown) const {
-    const int row = is_pivot(unknown) ? unknown - front_->first
-                                      : FrontShape::panel * front_->shape.column_panels() + border_index_[unknown];
+    const int row = row_of(unknown);
     return (row >> 3) * static_cast<int>(front_->shape.row_panel_size()) + (row & 7);
   }
 
@@ -164,50 +170,18 @@ class Multifrontal::Assembly {
     }
   }
 
-  void add_to_pivots(int c) {
+  /// @param add  one of the two kernels that add a child's update
+  void add_child(int c, decltype(FrontKernels::add_to_pivots) add, double* target) {
     const Front& child = owner_.fronts_[c];
     const int* border = owner_.border_.data() + child.rows_at;
     const int n = child.shape.border;
-    n_shared_ = static_cast<int>(std::lower_bound(border, border + n, front_->first + front_->shape.pivots) - border);
-    row_place_.resize(static_cast<std::size_t>(n));
-    column_place_.resize(static_cast<std::size_t>(n));
-    for (int i = 0; i < n; ++i) row_place_[i] = row_place(border[i]);
-    for (int j = 0; j < n_shared_; ++j) column_place_[j] = 8 * (border[j] - front_->first);
-    add(update_of(c), n, 0, n_shared_, L_);
-  }
-
-  void add_to_update(int c, double* U) {
-    const Front& child = owner_.fronts_[c];
-    const int* border = owner_.border_.data() + child.rows_at;
-    const int n = child.shape.border;
-    const int begin =
-        static_cast<int>(std::lower_bound(border, border + n, front_->first + front_->shape.pivots) - border);
-    row_place_.resize(static_cast<std::size_t>(n));
-    column_place_.resize(static_cast<std::size_t>(n));
-    for (int i = begin; i < n; ++i) {
-      const int row = border_index_[border[i]];
-      row_place_[i] = static_cast<int>(FrontShape::update_panel(row >> 3)) + (row & 7);
-      column_place_[i] = 8 * row;
+    child_rows_.resize(static_cast<std::size_t>(n));
+    int n_pivots = 0;
+    for (int i = 0; i < n; ++i) {
+      child_rows_[i] = row_of(border[i]);
+      n_pivots += is_pivot(border[i]);
     }
-    add(update_of(c), n, begin, n, U);
-  }
-
-  /// Columns begin..end of a child's update of `n` rows to where they belong.
-  void add(const double* update, int n, int begin, int end, double* target) const {
-    for (int panel = begin / 8; 8 * panel < n; ++panel) {
-      const double* values = update + FrontShape::update_panel(panel);
-      const int first = 8 * panel, last = std::min(first + 8, n);
-      const int whole = last - first == 8 ? std::min(end, first + 1) : begin;  // columns of which all 8 rows are meant
-      const int* row = row_place_.data() + first;
-      for (int j = begin; j < whole; ++j) {
-        double* column = target + column_place_[j];
-        for (int i = 0; i < 8; ++i) column[row[i]] += values[8 * j + i];
-      }
-      for (int j = std::max(begin, whole); j < std::min(end, last); ++j) {
-        double* column = target + column_place_[j];
-        for (int i = std::max(j, first); i < last; ++i) column[row[i - first]] += values[8 * j + i - first];
-      }
-    }
+    add(front_->shape, n, n_pivots, child_rows_.data(), update_of(c), target);
   }
 
   const Multifrontal& owner_;
@@ -215,10 +189,9 @@ class Multifrontal::Assembly {
   double lift_;
   const Front* front_ = nullptr;
   double* L_ = nullptr;
-  int n_shared_ = 0;
   std::vector<int> border_index_;  ///< one an unknown that lies in the border of the front at hand
   std::vector<Row> rows_;
-  std::vector<int> row_place_, column_place_;
+  std::vector<int> child_rows_;
 };
 
 bool Multifrontal::factorize(const SparseMatrix& A, std::span<const char> held, double lift) {
@@ -235,16 +208,17 @@ bool Multifrontal::factorize(const SparseMatrix& A, std::span<const char> held, 
 }
 
 void Multifrontal::find_rcond() {
-  const bool any_held = n_free() < graph_.n_unknowns();
-  double smallest = any_held ? 1 : std::numeric_limits<double>::infinity(), largest = any_held ? 1 : 0;
+  const bool identity = n_free() < graph_.n_unknowns();  // its pivots count
+  double smallest = identity ? 1 : std::numeric_limits<double>::infinity(), largest = identity ? 1 : 0;
   for (const Front& front : fronts_)
     for (int k = 0; k < front.shape.pivots; ++k) {
       const double* panel = factor_.data() + front.factor_at + (k >> 3) * front.shape.row_panel_size();
-      const double pivot = 1 / panel[8 * k + (k & 7)];
-      smallest = std::min(smallest, pivot);
-      largest = std::max(largest, pivot);
+      const double reciprocal = panel[8 * k + (k & 7)];
+      smallest = std::min(smallest, reciprocal);
+      largest = std::max(largest, reciprocal);
     }
-  rcond_ = largest > 0 ? smallest * smallest / (largest * largest) : 1;
+  const double ratio = largest > 0 ? smallest / largest : 1;
+  rcond_ = ratio * ratio;
 }
 
 }  // namespace crease

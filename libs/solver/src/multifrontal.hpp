@@ -24,7 +24,7 @@ class Multifrontal final : public BlockCholesky {
   explicit Multifrontal(const FrontKernels& kernels) : kernels_(kernels) {}
 
   bool analyze(const BlockGraph& graph, std::span<const int> order) override;
-  const std::vector<int>& order() const override { return tree_.order; }
+  const std::vector<int>& order() const override { return order_; }
   bool factorize(const SparseMatrix& A, std::span<const char> held, double lift) override;
   double rcond() const override { return rcond_; }
   FactorCost cost() const override { return cost_; }
@@ -52,11 +52,13 @@ class Multifrontal final : public BlockCholesky {
   void forward_one(double* y) const;
   void backward_one(double* y) const;
   void forward_panels(const Eigen::Ref<const MatX>& B, Eigen::Ref<MatX> Y) const;
+  std::vector<char> fill_panels(const Eigen::Ref<const MatX>& B, double* const* rows, Eigen::Ref<MatX> Y) const;
 
   const FrontKernels& kernels_;
 
   // The analysis.
   BlockGraph graph_;
+  std::vector<int> order_;  ///< as given, or of minimum degree; the tree's differs, and would give a third
   SupernodeTree tree_;
   std::vector<int> depth_, first_child_, next_child_;  ///< one a supernode; -1 = none
   std::vector<int> heights_, values_at_;               ///< one a block: rows of its column of A, its first value
@@ -67,6 +69,7 @@ class Multifrontal final : public BlockCholesky {
   bool factorized_ = false;
   std::vector<int> free_at_;  ///< one a position: its first unknown among the free ones
   std::vector<int> unknown_;  ///< free unknowns in order of elimination, then the held ones
+  std::vector<int> place_;    ///< its inverse
   std::vector<Front> fronts_;
   std::vector<int> border_;  ///< the free unknowns below the columns of each front
   AlignedBuffer factor_, updates_[2];

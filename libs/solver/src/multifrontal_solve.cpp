@@ -10,6 +10,7 @@ namespace {
 /// Right-hand sides from which on a panel of eight, some of them empty, takes less time than one after the other.
 constexpr int least_batch = 3;
 constexpr int batch = FrontShape::panel * max_rhs_panels;
+using PanelRow = Eigen::Map<Eigen::Array<double, FrontShape::panel, 1>>;
 
 }  // namespace
 
@@ -64,43 +65,61 @@ void Multifrontal::backward_one(double* y) const {
 
 /// At most `batch` columns at once. A supernode none of whose descendants, nor itself, meets an entry is passed over.
 void Multifrontal::forward_panels(const Eigen::Ref<const MatX>& B, Eigen::Ref<MatX> Y) const {
-  const int n = static_cast<int>(B.cols()), n_panels = FrontShape::panels(n), free = n_free();
-  const auto panel_size = 8 * static_cast<std::size_t>(free),
-             product_size = 64 * static_cast<std::size_t>(most_border_panels_);
+  const int n_panels = FrontShape::panels(static_cast<int>(B.cols()));
+  const auto panel_size = 8 * static_cast<std::size_t>(n_free());
+  const auto product_size = 64 * static_cast<std::size_t>(most_border_panels_);
   AlignedBuffer work;
   work.reserve(static_cast<std::size_t>(n_panels) * (panel_size + product_size));
   double* rows[max_rhs_panels];
   double* product[max_rhs_panels];
-  double* Z[max_rhs_panels];
   for (int p = 0; p < n_panels; ++p) {
     rows[p] = work.data() + static_cast<std::size_t>(p) * panel_size;
     product[p] =
         work.data() + static_cast<std::size_t>(n_panels) * panel_size + static_cast<std::size_t>(p) * product_size;
   }
-  std::fill(rows[0], rows[0] + static_cast<std::size_t>(n_panels) * panel_size, 0.0);
-  std::vector<char> met(static_cast<std::size_t>(free), 0);
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < free; ++i) {
-      const double value = B(unknown_[i], j);
-      rows[j / 8][8 * i + j % 8] = value;
-      met[i] |= value != 0;
-    }
+  std::vector<char> met = fill_panels(B, rows, Y);
+  double* own[max_rhs_panels];
   for (const Front& front : fronts_) {
-    char* own = met.data() + front.first;
-    if (std::find(own, own + front.shape.pivots, 1) == own + front.shape.pivots) continue;
-    for (int p = 0; p < n_panels; ++p) Z[p] = rows[p] + 8 * static_cast<std::ptrdiff_t>(front.first);
-    kernels_.forward_batch(front.shape, factor_.data() + front.factor_at, n_panels, Z, product);
+    const auto begin = met.begin() + front.first, end = begin + front.shape.pivots;
+    if (std::find(begin, end, 1) == end) continue;
+    std::fill(begin, end, 1);
+    for (int p = 0; p < n_panels; ++p) own[p] = rows[p] + 8 * static_cast<std::ptrdiff_t>(front.first);
+    kernels_.forward_batch(front.shape, factor_.data() + front.factor_at, n_panels, own, product);
     const int* border = border_.data() + front.rows_at;
-    for (int i = 0; i < front.shape.border; ++i) {
-      met[border[i]] = 1;
-      for (int p = 0; p < n_panels; ++p)
-        for (int k = 0; k < 8; ++k) rows[p][8 * border[i] + k] += product[p][8 * i + k];
+    for (int i = 0; i < front.shape.border; ++i) met[border[i]] = 1;
+    for (int p = 0; p < n_panels; ++p)
+      for (int i = 0; i < front.shape.border; ++i)
+        PanelRow(rows[p] + 8 * static_cast<std::ptrdiff_t>(border[i])) += PanelRow(product[p] + 8 * i);
+  }
+  for (int p = 0; p < n_panels; ++p) {
+    const Eigen::Index first = FrontShape::panel * p,
+                       width = std::min<Eigen::Index>(FrontShape::panel, Y.cols() - first);
+    for (int i = 0; i < n_free(); ++i)
+      if (met[i])
+        for (Eigen::Index k = 0; k < width; ++k) Y(i, first + k) = rows[p][8 * static_cast<std::ptrdiff_t>(i) + k];
+  }
+}
+
+/// Spreads the entries of B over panels, and those of held unknowns over Y. @return which free unknowns have any
+std::vector<char> Multifrontal::fill_panels(const Eigen::Ref<const MatX>& B, double* const* rows,
+                                            Eigen::Ref<MatX> Y) const {
+  const auto panel_size = 8 * static_cast<std::size_t>(n_free());
+  for (int p = 0; p < FrontShape::panels(static_cast<int>(B.cols())); ++p)
+    std::fill(rows[p], rows[p] + panel_size, 0.0);
+  Y.setZero();
+  std::vector<char> met(static_cast<std::size_t>(n_free()), 0);
+  for (Eigen::Index j = 0; j < B.cols(); ++j)
+    for (Eigen::Index i = 0; i < B.rows(); ++i) {
+      if (B(i, j) == 0) continue;
+      const int place = place_[i];
+      if (place >= n_free()) {
+        Y(place, j) = B(i, j);
+      } else {
+        rows[j / 8][8 * static_cast<std::ptrdiff_t>(place) + j % 8] = B(i, j);
+        met[place] = 1;
+      }
     }
-  }
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < free; ++i) Y(i, j) = rows[j / 8][8 * i + j % 8];
-    for (int i = free; i < graph_.n_unknowns(); ++i) Y(i, j) = B(unknown_[i], j);
-  }
+  return met;
 }
 
 }  // namespace crease

@@ -2,6 +2,7 @@
 #include "supernode_tree.hpp"
 
 #include <numeric>
+#include <utility>
 
 #include "front_kernels.hpp"
 
@@ -10,9 +11,9 @@ namespace {
 
 /// Time of one front in flops of the kernels (about 40 to the nanosecond): what it takes to begin one, to clear and
 /// fill an entry of L, and to add an entry of its update to its parent. Measured on fronts of 10 to 100 rows.
-constexpr double flops_a_front = 20000;
+constexpr double flops_a_front = 10000;
 constexpr double flops_an_entry = 12;
-constexpr double flops_an_update = 40;
+constexpr double flops_an_update = 20;
 
 double front_time(int pivots, int border) {
   const double p = FrontShape::panel * FrontShape::panels(pivots), b = FrontShape::panel * FrontShape::panels(border);
@@ -67,6 +68,7 @@ class Analysis {
   }
 
   SupernodeTree run() {
+    list_earlier();
     find_elimination_tree();
     relabel(postorder(parent_));
     count_rows();
@@ -78,14 +80,26 @@ class Analysis {
   }
 
  private:
-  /// Calls visit(earlier position) for the blocks before position `k` that touch its block.
-  template <class Visit>
-  void for_earlier(int k, const Visit& visit) const {
-    const int block = tree_.order[k];
-    for (int at = graph_.outer[block]; at < graph_.outer[block + 1]; ++at) {
-      const int other = tree_.position[graph_.inner[at]];
-      if (other < k) visit(other);
+  /// The positions before each that touch it. Which entries those are looks random, so no branch is taken on it.
+  void list_earlier() {
+    earlier_at_.assign(1, 0);
+    earlier_.resize(graph_.inner.size() + 1);
+    int n_listed = 0;
+    for (int k = 0; k < static_cast<int>(tree_.order.size()); ++k) {
+      const int block = tree_.order[k];
+      for (int at = graph_.outer[block]; at < graph_.outer[block + 1]; ++at) {
+        const int other = tree_.position[graph_.inner[at]];
+        earlier_[n_listed] = other;
+        n_listed += other < k;
+      }
+      earlier_at_.push_back(n_listed);
     }
+    earlier_.resize(static_cast<std::size_t>(n_listed));
+  }
+
+  std::span<const int> earlier(int k) const {
+    return std::span(earlier_).subspan(static_cast<std::size_t>(earlier_at_[k]),
+                                       static_cast<std::size_t>(earlier_at_[k + 1] - earlier_at_[k]));
   }
 
   /// parent = first later row in the column of L, by ever shorter paths to the root so far [LIU90].
@@ -94,27 +108,28 @@ class Analysis {
     parent_.assign(n, -1);
     std::vector<int> ancestor(n, -1);
     for (int k = 0; k < static_cast<int>(n); ++k)
-      for_earlier(k, [&](int j) {
-        while (ancestor[j] >= 0 && ancestor[j] != k) {
-          const int up = ancestor[j];
-          ancestor[j] = k;
-          j = up;
-        }
+      for (int j : earlier(k)) {
+        while (ancestor[j] >= 0 && ancestor[j] != k) j = std::exchange(ancestor[j], k);
         if (ancestor[j] < 0) ancestor[j] = parent_[j] = k;
-      });
+      }
   }
 
   /// Renames positions: the one that was `former[k]` becomes k.
   void relabel(const std::vector<int>& former) {
     const std::vector<int> now = inverse(former);
-    std::vector<int> order(former.size()), parent(former.size());
-    for (std::size_t k = 0; k < former.size(); ++k) {
-      order[k] = tree_.order[former[k]];
-      parent[k] = parent_[former[k]] < 0 ? -1 : now[parent_[former[k]]];
+    std::vector<int> order, parent, earlier_at{0}, earlier;
+    earlier.reserve(earlier_.size());
+    for (const int k : former) {
+      order.push_back(tree_.order[k]);
+      parent.push_back(parent_[k] < 0 ? -1 : now[parent_[k]]);
+      for (const int j : this->earlier(k)) earlier.push_back(now[j]);
+      earlier_at.push_back(static_cast<int>(earlier.size()));
     }
     tree_.order = std::move(order);
     tree_.position = inverse(tree_.order);
     parent_ = std::move(parent);
+    earlier_ = std::move(earlier);
+    earlier_at_ = std::move(earlier_at);
   }
 
   /// Row i of L is the subtree that climbs from its entries in A up to i.
@@ -126,13 +141,12 @@ class Analysis {
     for (int i = 0; i < static_cast<int>(n); ++i) {
       seen_by[i] = i;
       const int size = graph_.size(tree_.order[i]);
-      for_earlier(i, [&](int j) {
+      for (int j : earlier(i))
         for (; seen_by[j] != i; j = parent_[j]) {
           seen_by[j] = i;
           n_rows_[j] += size;
           ++n_blocks_[j];
         }
-      });
     }
   }
 
@@ -215,12 +229,11 @@ class Analysis {
       for (int k = tree_.first[s]; k < tree_.first[s + 1]; ++k) node_of[k] = s;
     for (int i = 0; i < static_cast<int>(tree_.order.size()); ++i) {
       seen_by[node_of[i]] = i;
-      for_earlier(i, [&](int j) {
+      for (const int j : earlier(i))
         for (int s = node_of[j]; seen_by[s] != i; s = tree_.parent[s]) {
           seen_by[s] = i;
           tree_.rows[filled[s]++] = i;
         }
-      });
     }
   }
 
@@ -233,6 +246,7 @@ class Analysis {
 
   const BlockGraph& graph_;
   SupernodeTree tree_;
+  std::vector<int> earlier_at_, earlier_;
   std::vector<int> parent_, n_rows_, n_blocks_;
   std::vector<Node> nodes_;
   std::vector<int> node_parent_, merged_into_;
