@@ -227,6 +227,29 @@ TEST(Cholesky, CountsAtLeastTheFlopsThatItsOrderTakes) {
   }
 }
 
+TEST(BlockOrder, HasEachBlockOnceAndTheSameAgain) {
+  for (const auto& [name, graph] : support::block_graphs())
+    for (const BlockOrdering ordering : {BlockOrdering::MinimumDegree, BlockOrdering::NestedDissection}) {
+      SCOPED_TRACE(name);
+      const std::vector<int> order = make_block_order(graph, ordering);
+      std::vector<int> sorted = order, blocks(static_cast<std::size_t>(graph.n_blocks()));
+      std::sort(sorted.begin(), sorted.end());
+      std::iota(blocks.begin(), blocks.end(), 0);
+      EXPECT_EQ(sorted, blocks);
+      EXPECT_EQ(make_block_order(graph, ordering), order);
+    }
+}
+
+TEST(BlockOrder, DissectsLargeGraphsToAdvantage) {
+  const BlockGraph graph = support::grid_graph(150, 150);
+  const auto factor = make_block_cholesky();
+  const auto flops = [&](BlockOrdering ordering) {
+    EXPECT_TRUE(factor->analyze(graph, make_block_order(graph, ordering)));
+    return factor->cost().flops;
+  };
+  EXPECT_LT(flops(BlockOrdering::NestedDissection), 0.9 * flops(BlockOrdering::MinimumDegree));
+}
+
 TEST(Multifrontal, AgreesBetweenKernelsToRounding) {
   Random random(23);
   const BlockMatrix matrix = support::random_spd(random, support::grid_graph(12, 12));

@@ -3,6 +3,7 @@
 #include "cholmod_cholesky.hpp"
 
 #include <limits>
+#include <new>
 
 #include "block_graph.hpp"
 #include "crease/base/require.hpp"
@@ -62,15 +63,13 @@ CholmodCholesky::~CholmodCholesky() {
   cholmod_finish(&common_);
 }
 
-bool CholmodCholesky::analyze(const BlockGraph& graph, std::span<const int> order) {
+bool CholmodCholesky::analyze(const BlockGraph& graph, std::span<const int> order) try {
   require_valid(graph, order);
   const OneThread guard;
   numeric_.reset();
   symbolic_.reset();
   rcond_ = 0;
-  std::optional<std::vector<int>> chosen = choose_order(graph, order);
-  if (!chosen) return false;
-  order_ = *std::move(chosen);
+  order_ = choose_order(graph, order);
   masked_ = make_block_matrix(graph);
   std::vector<int> unknowns;
   unknowns.reserve(static_cast<size_t>(graph.n_unknowns()));
@@ -80,6 +79,8 @@ bool CholmodCholesky::analyze(const BlockGraph& graph, std::span<const int> orde
   cholmod_sparse matrix = view(masked_);
   symbolic_.reset(cholmod_analyze_p(&matrix, unknowns.data(), nullptr, 0, &common_));
   return symbolic_ != nullptr;
+} catch (const std::bad_alloc&) {
+  return false;
 }
 
 bool CholmodCholesky::factorize(const SparseMatrix& A, std::span<const char> held, double lift) {

@@ -16,9 +16,7 @@ bool Multifrontal::analyze(const BlockGraph& graph, std::span<const int> order) 
   factorized_ = false;
   rcond_ = 0;
   graph_ = graph;
-  std::optional<std::vector<int>> chosen = choose_order(graph, order);
-  if (!chosen) return false;
-  order_ = *std::move(chosen);
+  order_ = choose_order(graph, order);
   tree_ = make_supernode_tree(graph, order_);
   depth_.assign(tree_.parent.size(), 0);
   first_child_.assign(tree_.parent.size(), -1);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,7 +8,7 @@
 
 namespace crease {
 
-/// The given order, or where that is empty one of approximate minimum degree [AMESTOY96]. Nothing if out of memory.
-std::optional<std::vector<int>> choose_order(const BlockGraph& graph, std::span<const int> given);
+/// The given order, or where that is empty the one that analyze() promises.
+std::vector<int> choose_order(const BlockGraph& graph, std::span<const int> given);
 
 }  // namespace crease
