@@ -166,7 +166,7 @@ TEST(Assembler, RefusesWhatItCannotUse) {
   EXPECT_THROW(assembler.assemble(cloth, dofs, material, options, 0, false), std::invalid_argument);
   EXPECT_THROW(assembler.assemble(cloth, dofs, material, options, std::numeric_limits<double>::quiet_NaN(), false),
                std::invalid_argument);
-  EXPECT_THROW(assembler.assemble(cloth, DofMap{{0, 3}}, material, options, h, false), std::invalid_argument);
+  EXPECT_THROW(assembler.assemble(cloth, DofMap{{0, 3}, {}}, material, options, h, false), std::invalid_argument);
   for (const auto member :
        {&Material::density, &Material::youngs, &Material::poisson, &Material::bending, &Material::damping}) {
     for (const double wrong : {-1.0, std::numeric_limits<double>::infinity(), std::nan("")}) {

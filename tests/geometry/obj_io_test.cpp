@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "crease/geometry/grid.hpp"
+#include "support/seams.hpp"
 
 namespace crease {
 namespace {
@@ -140,6 +141,40 @@ TEST_F(ObjFile, SameTextureCoordinateUnderTwoNumbersIsNoSeam) {
   EXPECT_EQ(read_obj(write(text)).n_faces(), 2);
 }
 
+TEST_F(ObjFile, AnEdgeWithOtherTextureCoordinatesOnEachSideIsASeam) {
+  // The upper triangle lies elsewhere in material space; v 1 and 3 are its two ends on the seam.
+  const Mesh mesh = read_obj(write(std::string(square) + "vt 5 5\nvt 6 6\nvt 5 6\nf 1/1 2/2 3/3\nf 1/5 3/6 4/7\n"));
+  ASSERT_EQ(mesh.validate(), std::nullopt);
+  EXPECT_EQ(mesh.n_vertices(), 6);
+  EXPECT_EQ(mesh.face(0), (std::array{0, 1, 2}));
+  EXPECT_EQ(mesh.face(1), (std::array{4, 5, 3}));
+  EXPECT_TRUE(mesh.are_tied(0, 4) && mesh.are_tied(2, 5) && !mesh.is_tied(1) && !mesh.is_tied(3));
+  EXPECT_EQ(mesh.X[4], Vec2(5, 5));
+  EXPECT_EQ(mesh.x[4], mesh.x[0]);
+  EXPECT_NE(mesh.seam_twin(2), Mesh::none);
+}
+
+TEST_F(ObjFile, ASeamMayBeginWhereBothSidesHaveTheSameTextureCoordinate) {
+  // Inside a sheet that is one vertex, on its border it is two: no triangle joins them.
+  const Mesh mesh = read_obj(write(std::string(square) + "vt 2 1\nvt 1 2\nf 1/1 2/2 3/3\nf 1/1 3/5 4/6\n"));
+  ASSERT_EQ(mesh.validate(), std::nullopt);
+  EXPECT_EQ(mesh.n_vertices(), 6);
+  EXPECT_TRUE(mesh.are_tied(0, mesh.face(1)[0]) && mesh.face(1)[0] != 0);
+}
+
+// Numbers and all: a sewn cloth that was read is written as it stood in the file.
+TEST_F(ObjFile, RoundTripKeepsSeams) {
+  for (const auto& [name, start] : support::sewn_meshes()) {
+    SCOPED_TRACE(name);
+    const Mesh mesh = read_obj(write(to_text(make_cloth(start))));
+    ASSERT_EQ(mesh.validate(), std::nullopt);
+    ASSERT_EQ(mesh.n_vertices(), start.n_vertices());
+    EXPECT_EQ(support::border_length(mesh, true), support::border_length(start, true));
+    EXPECT_EQ(support::border_length(mesh, false), support::border_length(start, false));
+    EXPECT_EQ(to_text(make_cloth(read_obj(write(to_text(make_cloth(mesh)))))), to_text(make_cloth(mesh)));
+  }
+}
+
 TEST_F(ObjFile, NamesTheLineOfWhatIsWrong) {
   struct Case {
     std::string text, begins, says;
@@ -163,7 +198,8 @@ TEST_F(ObjFile, NamesTheLineOfWhatIsWrong) {
       {s + "f 1/1 2/2 3/9\n", "cloth.obj:9: ", "texture coordinate 9 does not exist"},
       {s + "f -9/1 2/2 3/3\n", "cloth.obj:9: ", "does not exist"},
       {s + "f 1/1 2/2 2/3\n", "cloth.obj:9: ", "stands twice"},
-      {s + "f 1/1 2/2 3/3\nf 1/1 3/2 4/4\n", "cloth.obj:10: ", "seams are not available"},
+      {s + "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\nv .5 .5 1\nvt .1 3\nvt .9 3\nvt .5 4\nf 1/5 3/6 5/7\n",
+       "cloth.obj:15: ", "not manifold"},
       {s + "f 1/1 2/2 3/3\n", "cloth.obj:4: ", "vertex 4 is in no triangle"},
       {s + "f 1/1 2/2 3/3\nf 1/1 4/4 3/3\n", "cloth.obj:10: ", "inverted"},
       {s + "v 2 0 0\nvt 2 0\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\nf 1/1 2/2 5/5\n", "cloth.obj:13: ", "zero area"},

@@ -9,6 +9,7 @@
 #include "crease/remesh/remesh.hpp"
 #include "support/contacts.hpp"
 #include "support/meshes.hpp"
+#include "support/seams.hpp"
 
 // Sheets with noise in everything, boxes anywhere in them, options that do not fit each other: nothing here is
 // physical, and every pass must still end with a valid cloth.
@@ -31,7 +32,13 @@ struct Chaos {
     grid.seed = seed;
     grid.size = Vec2(uniform(rng, 0.3, 1), uniform(rng, 0.3, 1));
     area = grid.size.prod();
-    cloth = make_cloth(make_grid(grid));
+    Mesh mesh = make_grid(grid);
+    // Every third sheet is two that are sewn together, along whatever jagged line.
+    if (seed % 3 == 0)
+      mesh = support::cut_and_sew(mesh, [&](const Vec2& c) {
+               return c.x() + 0.3 * c.y() < 0.5 * grid.size.x() ? 0 : 1;
+             }).mesh;
+    cloth = make_cloth(std::move(mesh));
     const double bump = pick(rng, 2) * uniform(rng, 0, 0.2);
     for (int v = 0; v < cloth.mesh.n_vertices(); ++v) {
       const Vec2& X = cloth.mesh.X[v];
@@ -39,11 +46,22 @@ struct Chaos {
       cloth.v[v] = random_vector(rng, 1);
       if (pick(rng, 60) == 0) cloth.pins[v] = 1u << pick(rng, 3);
     }
+    match_tied();
     add_boxes();
     conforming.merge = uniform(rng, 0.004, 0.03);
     conforming.snap = uniform(rng, 0.0005, 0.02);
     sizes.size[0] = uniform(rng, 0.02, 0.06);
     sizes.size[1] = sizes.size[0] * uniform(rng, 1, 6);
+  }
+
+  // What is tied is one point.
+  void match_tied() {
+    for (int i = 0; i < cloth.mesh.n_vertices(); ++i)
+      for (int v = cloth.mesh.tied(i); v != i; v = cloth.mesh.tied(v)) {
+        cloth.mesh.x[v] = cloth.mesh.x[i];
+        cloth.v[v] = cloth.v[i];
+        cloth.pins[v] = cloth.pins[i];
+      }
   }
 
   void add_boxes() {
@@ -94,6 +112,7 @@ struct Chaos {
       else
         cloth.mesh.x[v] += random_vector(rng, 0.0005);
     }
+    match_tied();
   }
 
   Rng rng;

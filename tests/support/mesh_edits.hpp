@@ -12,6 +12,7 @@
 #include "crease/geometry/cloth.hpp"
 #include "crease/remesh/remesh.hpp"
 #include "support/meshes.hpp"
+#include "support/seams.hpp"
 
 /// Any string of bytes as a sequence of mesh operations on some sheet, with everything checked after each. The fuzzer
 /// and the random tests share it.
@@ -59,15 +60,16 @@ inline Mesh panels() {
 
 class MeshEdits {
  public:
-  static constexpr int n_sheets = 10;
+  static constexpr int n_sheets = 15;
 
   /// @param sheet  which mesh, in [0, n_sheets)
-  /// @param chain  0: none; 1: across the sheet; 2: half of it, then round a corner
+  /// @param chain  0: none; 1: across the sheet; 2: half of it, then round a corner; on sewn sheets always none
   MeshEdits(int sheet, int chain) : cloth_(make_cloth(make_sheet(sheet))) {
-    if (chain > 0) lay_chain(chain);
+    if (chain > 0 && !cloth_.mesh.has_seams()) lay_chain(chain);
     area_ = total_area(cloth_.mesh);
     chain_length_ = chain_length();
     euler_ = euler_characteristic(cloth_.mesh);
+    for (const bool sewn : {false, true}) border_length_[sewn] = border_length(cloth_.mesh, sewn);
   }
 
   /// Does the operations that the bytes stand for, or says what is wrong after one of them.
@@ -92,6 +94,16 @@ class MeshEdits {
         return slit();
       case 9:
         return panels();
+      case 10:
+        return halves().mesh;
+      case 11:
+        return patchwork().mesh;
+      case 12:
+        return tube(4);
+      case 13:
+        return pillow();
+      case 14:
+        return dart();
       default:
         return all_meshes()[static_cast<std::size_t>(sheet)].mesh;
     }
@@ -163,8 +175,9 @@ class MeshEdits {
     const double t = share();
     if (cloth_.mesh.can_split(h, t)) {
       const int tag = cloth_.mesh.tag(h);
-      cloth_.mesh.split(h, t);
+      const bool sewn = cloth_.mesh.split(h, t).tied != Mesh::none;
       add_vertex(tag);
+      if (sewn) add_vertex(0);
     }
     return "split";
   }
@@ -229,7 +242,18 @@ class MeshEdits {
       cloth_.mesh.x[v].z() = height * std::sin(8 * X.x()) * std::cos(7 * X.y());
       if (v == pinned) cloth_.pins[v] = 1;
     }
+    match_tied();
     return "stir";
+  }
+
+  // What is tied is one point.
+  void match_tied() {
+    for (int i = 0; i < cloth_.mesh.vertex_slots(); ++i)
+      for (int v = cloth_.mesh.tied(i); v != i; v = cloth_.mesh.tied(v)) {
+        cloth_.mesh.x[v] = cloth_.mesh.x[i];
+        cloth_.v[v] = cloth_.v[i];
+        cloth_.pins[v] = cloth_.pins[i];
+      }
   }
 
   const char* adapt_all() {
@@ -257,6 +281,9 @@ class MeshEdits {
     if (std::abs(total_area(cloth_.mesh) - area_) > 1e-12 * area_) return "area is lost";
     if (std::abs(chain_length() - chain_length_) > 1e-12) return "the chain's length has changed";
     if (euler_characteristic(cloth_.mesh) != euler_) return "the topology has changed";
+    for (const bool sewn : {false, true})
+      if (std::abs(border_length(cloth_.mesh, sewn) - border_length_[sewn]) > 1e-12)
+        return "a seam or border has changed";
     for (int v = 0; v < cloth_.mesh.vertex_slots(); ++v) {
       if (!cloth_.mesh.vertex_live(v) || !cloth_.is_eol(v)) continue;
       const Vec3& x = cloth_.mesh.x[v];
@@ -274,6 +301,7 @@ class MeshEdits {
   RemeshReport report_;
   std::span<const std::uint8_t> bytes_;
   double area_ = 0, chain_length_ = 0;
+  std::array<double, 2> border_length_{};
   int euler_ = 0, n_done_ = 0;
 };
 

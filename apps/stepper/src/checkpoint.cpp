@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "checkpoints are little-endian");
 
-constexpr std::string_view magic = "crease checkpoint 2\n";
+constexpr std::string_view magic = "crease checkpoint 3\n";
 
 /// FNV-1a, 64 bit: finds a damaged file, not a forged one.
 std::uint64_t hash(std::string_view bytes) {
@@ -94,6 +94,8 @@ void put_cloth(Writer& out, const Cloth& cloth) {
   for (const FeatureId& id : cloth.feature)
     out.put(std::array<std::int32_t, 4>{id.obstacle, static_cast<std::int32_t>(id.kind), id.index, id.side});
   for (const std::uint64_t pins : cloth.pins) out.put(pins);
+  out.put(static_cast<std::int32_t>(mesh.has_seams() ? mesh.n_vertices() : 0));
+  for (int v = 0; mesh.has_seams() && v < mesh.n_vertices(); ++v) out.put(static_cast<std::int32_t>(mesh.tied(v)));
 }
 
 Cloth get_cloth(Reader& in) {
@@ -115,6 +117,12 @@ Cloth get_cloth(Reader& in) {
     id = {obstacle, static_cast<FeatureKind>(kind), index, side};
   }
   for (std::uint64_t& pins : cloth.pins) pins = in.get<std::uint64_t>();
+  const int n_ties = in.get_count(sizeof(std::int32_t));
+  for (int v = 0; v < n_ties; ++v) {
+    const auto tied = in.get<std::int32_t>();
+    if (v >= n_vertices || tied < 0 || tied >= n_vertices) throw std::runtime_error("checkpoint is damaged");
+    cloth.mesh.tie(v, tied);
+  }
   return cloth;
 }
 

@@ -85,12 +85,17 @@ std::optional<std::string> conflict(const std::vector<PinSpec>& pins, size_t k, 
   return std::nullopt;
 }
 
+// What is sewn to a pinned vertex is pinned with it.
+void hold(int vertex, std::uint64_t bit, Cloth& cloth) {
+  for (int v = vertex; (cloth.pins[v] & bit) == 0; v = cloth.mesh.tied(v)) cloth.pins[v] |= bit;
+}
+
 void set_pins(const ClothSpec& spec, const std::string& pointer, Cloth& cloth, ProblemList& problems) {
   for (size_t k = 0; k < spec.pins.size(); ++k) {
     const std::string pin = pointer + "/pins/" + std::to_string(k);
     if (problems.under(pin + "/where")) continue;
     try {
-      for (const int i : pinned_vertices(spec.pins[k].where, cloth.mesh)) cloth.pins[i] |= std::uint64_t{1} << k;
+      for (const int i : pinned_vertices(spec.pins[k].where, cloth.mesh)) hold(i, std::uint64_t{1} << k, cloth);
     } catch (const std::invalid_argument& error) {
       problems.add(pin + "/where", error.what());
       continue;

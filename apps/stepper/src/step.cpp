@@ -53,7 +53,7 @@ std::vector<PosedObstacle> pose_all(std::span<const Obstacle> obstacles, double 
 }
 
 QpProblem make_problem(const AssembledSystem& system, const ConstraintRows& rows, const DofMap& dofs) {
-  return {system.H, system.rhs, rows.A_eq, rows.A_in, rows.b_eq, rows.b_in, dofs.start};
+  return {system.H, system.rhs, rows.A_eq, rows.A_in, rows.b_eq, rows.b_in, dof_blocks(dofs)};
 }
 
 bool all_finite(const Cloth& cloth) {
@@ -202,7 +202,7 @@ std::vector<char> SheetStepper::Impl::guess(const Work& work) const {
   if (start.empty()) return start;
   VecX free_velocity = gather_velocity(work.cloth, work.dofs);
   for (int v = 0; v < work.cloth.mesh.n_vertices(); ++v)
-    free_velocity.segment<3>(work.dofs.x(v)) += work.h * settings.dynamics.gravity;
+    if (work.dofs.owner(v) == v) free_velocity.segment<3>(work.dofs.x(v)) += work.h * settings.dynamics.gravity;
   const VecX slack = rows.A_in * free_velocity - rows.b_in;
   for (std::size_t r = 0; r < rows.in.size(); ++r) {
     const auto known = active.find(key_of(rows.in[r]));

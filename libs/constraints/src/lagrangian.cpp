@@ -189,7 +189,8 @@ bool closes_a_line(const Cloth& cloth, int vertex, const FeatureId& id, std::spa
 void mark_standing(Cloth& cloth, std::span<const PosedObstacle> obstacles, double threshold) {
   Mesh& mesh = cloth.mesh;
   for (int v = 0; v < mesh.vertex_slots(); ++v) {
-    if (!mesh.vertex_live(v) || cloth.pins[v] != 0 || cloth.is_eol(v) || mesh.is_material_corner(v)) continue;
+    if (!mesh.vertex_live(v) || cloth.pins[v] != 0 || cloth.is_eol(v) || mesh.is_material_corner(v) || mesh.on_seam(v))
+      continue;
     for (int o = 0; o < static_cast<int>(obstacles.size()) && !cloth.is_eol(v); ++o) {
       const auto feature = stands_on(o, obstacles, mesh.x[v], standing_share * threshold);
       if (feature && !closes_a_line(cloth, v, feature->id, obstacles)) cloth.feature[v] = feature->id;

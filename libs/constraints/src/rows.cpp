@@ -98,16 +98,28 @@ void Builder::add_eol_material(int vertex) {
   }
 }
 
-// The terms of a contact, ascending by vertex, without those that take no part.
-std::span<const Term> contact_terms(const Contact& contact, std::array<Term, 3>& terms) {
+// The terms of a contact, ascending by the vertex that owns the unknowns, without those that take no part.
+std::span<const Term> contact_terms(const Contact& contact, const DofMap& dofs, std::array<Term, 3>& terms) {
   std::size_t n = 0;
   for (int i = 0; i < contact.n_vertices; ++i) {
     if (std::abs(contact.weights[i]) <= smallest_weight) continue;
+    const int vertex = dofs.owner(contact.vertices[i]);
     std::size_t place = n++;
-    for (; place > 0 && terms[place - 1].vertex > contact.vertices[i]; --place) terms[place] = terms[place - 1];
-    terms[place] = {contact.vertices[i], contact.weights[i]};
+    for (; place > 0 && terms[place - 1].vertex > vertex; --place) terms[place] = terms[place - 1];
+    terms[place] = {vertex, contact.weights[i]};
   }
   return {terms.data(), n};
+}
+
+// What touches on a seam is found on both of its sides; the second row would only repeat the first.
+bool is_repeated(const Row& row, const std::vector<Row>& rows) {
+  constexpr double rounding = 1e-9;  // weights are shares of 1, normals unit vectors
+  return std::any_of(rows.begin(), rows.end(), [&](const Row& other) {
+    if (other.n != row.n || other.columns != row.columns || other.info.feature != row.info.feature) return false;
+    for (int i = 0; i < row.n; ++i)
+      if (std::abs(other.values[i] - row.values[i]) > rounding) return false;
+    return true;
+  });
 }
 
 // The point of the cloth that touches now moves with sum w_i xdot_i, also where a vertex is EOL and material flows
@@ -118,7 +130,7 @@ void Builder::add_contact(const Contact& contact) {
               std::all_of(contact.vertices.begin(), contact.vertices.begin() + contact.n_vertices, on_this_cloth),
           "build_constraints: expected contacts of 1 to 3 vertices of this cloth");
   std::array<Term, 3> buffer;
-  const std::span<const Term> terms = contact_terms(contact, buffer);
+  const std::span<const Term> terms = contact_terms(contact, dofs, buffer);
   require(!terms.empty(), "build_constraints: expected a contact with at least one weight");
   FeatureId feature = contact.feature;
   feature.obstacle = contact.obstacle;  // also for a face, which is no feature
@@ -130,7 +142,9 @@ void Builder::add_contact(const Contact& contact) {
 }
 
 void Builder::add_inequality(const RowInfo& info, std::span<const Term> terms, double bound) {
-  if (free.leaves_free(info.normal, terms)) in.push_back(world_row(info, terms, bound, dofs));
+  if (!free.leaves_free(info.normal, terms)) return;
+  const Row row = world_row(info, terms, bound, dofs);
+  if (dofs.owners.empty() || !is_repeated(row, in)) in.push_back(row);
 }
 
 ConstraintRows Builder::finish() {
@@ -164,7 +178,7 @@ ConstraintRows build_constraints(const Cloth& cloth, const DofMap& dofs, std::sp
   builder.in.reserve(contacts.size() + 2 * static_cast<std::size_t>(cloth.n_eol()));
   for (int vertex = 0; vertex < n; ++vertex) {
     require(dofs.is_eol(vertex) == cloth.is_eol(vertex), "build_constraints: expected the dof map of this cloth");
-    if (cloth.pins[vertex] != 0) builder.add_pin(vertex, pins);
+    if (cloth.pins[vertex] != 0 && dofs.owner(vertex) == vertex) builder.add_pin(vertex, pins);
     if (!cloth.is_eol(vertex)) continue;
     builder.add_eol_world(vertex);
     builder.add_eol_material(vertex);

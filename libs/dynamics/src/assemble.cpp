@@ -19,13 +19,13 @@ namespace {
 
 using Mat5 = Eigen::Matrix<double, 5, 5>;
 
-// B^T W B with B = (I, -F): a world block in the unknowns (xdot, Xdot) of two vertices.                      [Eq. 10]
-Mat5 to_eol_block(const Mat3& W, const Mat32& F, bool diagonal) {
+// B_i^T W B_j with B = (I, -F): a world block in the unknowns (xdot, Xdot) of two vertices.                [Eq. 10]
+Mat5 to_eol_block(const Mat3& W, const Mat32& F_i, const Mat32& F_j, bool diagonal) {
   Mat5 block;
   block.topLeftCorner<3, 3>() = W;
-  block.topRightCorner<3, 2>() = -W * F;
-  block.bottomLeftCorner<2, 3>() = -F.transpose() * W;
-  block.bottomRightCorner<2, 2>() = F.transpose() * W * F;
+  block.topRightCorner<3, 2>() = -W * F_j;
+  block.bottomLeftCorner<2, 3>() = -F_i.transpose() * W;
+  block.bottomRightCorner<2, 2>() = F_i.transpose() * W * F_j;
   if (diagonal) {  // symmetric up to rounding: make it exact
     for (int row = 1; row < 5; ++row) {
       for (int col = 0; col < row; ++col) block(row, col) = block(col, row);
@@ -51,15 +51,16 @@ struct Pass {
  private:
   void add_face_matrix(const FaceState& face, const Mat9& stiffness, const BlockPattern::FaceBlocks& blocks);
   void add_velocity_terms(const FaceState& face);
-  void add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const BendingElement& element, const Mat32* F);
-  void add_block(int i, int j, int at_ij, int at_ji, const Mat3& W, const Mat32& F);
+  void add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const BendingElement& element,
+                        const std::array<Mat32, 2>* F);
+  void add_block(int i, int j, int at_ij, int at_ji, const Mat3& W, const Mat32& F_i, const Mat32& F_j);
   void add_force(int vertex, const Vec3& f, const Mat32& F);
 };
 
 // Entry (i, j) of an element whose F is given, and its transpose (j, i); i == j once.
-void Pass::add_block(int i, int j, int at_ij, int at_ji, const Mat3& W, const Mat32& F) {
+void Pass::add_block(int i, int j, int at_ij, int at_ji, const Mat3& W, const Mat32& F_i, const Mat32& F_j) {
   double* const values = system.H.valuePtr();
-  const Mat5 block = to_eol_block(W, F, i == j);
+  const Mat5 block = to_eol_block(W, F_i, F_j, i == j);
   const int rows = dofs.is_eol(i) ? 5 : 3, cols = dofs.is_eol(j) ? 5 : 3;
   for (int col = 0; col < cols; ++col) {
     for (int row = 0; row < rows; ++row) {
@@ -82,7 +83,7 @@ void Pass::add_face_matrix(const FaceState& face, const Mat9& stiffness, const B
       W.diagonal().array() += face.mass / 12 * (i == j ? 2 : 1);
       const int at_ij = blocks.at[3 * i + j], at_ji = blocks.at[3 * j + i];
       if (face.eol) {
-        add_block(face.vertex[i], face.vertex[j], at_ij, at_ji, W, face.F);
+        add_block(face.vertex[i], face.vertex[j], at_ij, at_ji, W, face.F, face.F);
         continue;
       }
       const int stride_i = pattern.stride[face.vertex[i]], stride_j = pattern.stride[face.vertex[j]];
@@ -129,12 +130,12 @@ void Pass::add_face(int f) {
 }
 
 // On a hinge with an Eulerian vertex F is the plain mean of its two faces. At an unstretched fold the bending force is
-// along (F_0 - F_1) N and |F_0 N| = |F_1 N|, so this mean, and no other, lets bending push the fold nowhere.
+// along (F_0 - F_1) N and |F_0 N| = |F_1 N|, so this mean, and no other, lets bending push the fold nowhere. Across a
+// seam each face has its own material axes, so each side has its own F; on the seam itself no vertex is Eulerian.
 void Pass::add_hinge(const BlockPattern::HingeBlocks& blocks) {
   const Mesh& mesh = cloth.mesh;
   const std::array<int, 4>& v = blocks.hinge.vertex;
-  const BendingElement element =
-      bending_element({mesh.X[v[0]], mesh.X[v[1]], mesh.X[v[2]], mesh.X[v[3]]}, material.bending);
+  const BendingElement element = bending_element(flat_hinge(mesh, blocks.hinge), material.bending);
   Vec3 curvature = Vec3::Zero();
   bool eol = false;
   for (int i = 0; i < 4; ++i) {
@@ -143,17 +144,18 @@ void Pass::add_hinge(const BlockPattern::HingeBlocks& blocks) {
   }
   energies.bending += 0.5 * element.c * curvature.squaredNorm();
 
-  Mat32 F = Mat32::Zero();
+  std::array<Mat32, 2> F{Mat32::Zero(), Mat32::Zero()};  // for face 0 and the edge; for the opposite in face 1
   if (eol) {
-    const auto [face0, face1] = blocks.hinge.face;
-    F = 0.5 * (deformation_gradient(mesh, face0) + deformation_gradient(mesh, face1));
+    for (std::size_t side = 0; side < 2; ++side) F[side] = deformation_gradient(mesh, blocks.hinge.face[side]);
+    if (blocks.hinge.sewn_to == Mesh::none) F[0] = F[1] = 0.5 * (F[0] + F[1]);
   }
-  for (int i = 0; i < 4; ++i) add_force(v[i], -element.c * element.k[i] * curvature, F);
+  for (int i = 0; i < 4; ++i) add_force(v[i], -element.c * element.k[i] * curvature, F[i / 3]);
   add_hinge_matrix(blocks, element, eol ? &F : nullptr);
 }
 
 // F = nullptr: all four vertices are Lagrangian.
-void Pass::add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const BendingElement& element, const Mat32* F) {
+void Pass::add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const BendingElement& element,
+                            const std::array<Mat32, 2>* F) {
   double* const values = system.H.valuePtr();
   const std::array<int, 4>& v = blocks.hinge.vertex;
   for (int i = 0; i < 4; ++i) {
@@ -163,7 +165,7 @@ void Pass::add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const Bendi
       if (F == nullptr) {
         for (int axis = 0; axis < 3; ++axis) values[at + axis * (pattern.stride[v[j]] + 1)] += w;
       } else if (i <= j) {
-        add_block(v[i], v[j], at, blocks.at[4 * j + i], w * Mat3::Identity(), *F);
+        add_block(v[i], v[j], at, blocks.at[4 * j + i], w * Mat3::Identity(), (*F)[i / 3], (*F)[j / 3]);
       }
     }
   }

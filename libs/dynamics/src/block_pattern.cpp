@@ -23,15 +23,6 @@ struct Couplings {
   }
 };
 
-std::vector<Hinge> interior_hinges(const Mesh& mesh) {
-  std::vector<Hinge> hinges;
-  hinges.reserve(3 * mesh.n_faces() / 2);
-  for (int h = 0; h < 3 * mesh.face_slots(); ++h) {
-    if (!mesh.is_border(h) && h < mesh.twin(h)) hinges.push_back(hinge_at(mesh, h));
-  }
-  return hinges;
-}
-
 // Sorts each vertex' list and drops what is repeated.
 void sort_unique(Couplings& couplings) {
   int out = 0, begin = 0;
@@ -52,13 +43,15 @@ Couplings make_couplings(const Mesh& mesh, const DofMap& dofs, std::span<const H
   const int n = mesh.n_vertices();
   Couplings couplings;
   couplings.start.assign(n + 1, 0);
-  // Every face lists its three corners at each corner; a hinge adds the pair of flaps, all else stands in a face.
+  // Every face lists its three corners at each corner; a hinge adds the pair of flaps, all else stands in a face. Tied
+  // vertices are listed as the one that owns their unknowns.
+  const auto owner = [&](int v) { return dofs.owner(v); };
   for (int f = 0; f < mesh.n_faces(); ++f) {
-    for (const int v : mesh.face(f)) couplings.start[v + 1] += 3;
+    for (const int v : mesh.face(f)) couplings.start[owner(v) + 1] += 3;
   }
   for (const Hinge& hinge : hinges) {
-    ++couplings.start[hinge.vertex[2] + 1];
-    ++couplings.start[hinge.vertex[3] + 1];
+    ++couplings.start[owner(hinge.vertex[2]) + 1];
+    ++couplings.start[owner(hinge.vertex[3]) + 1];
   }
   for (int v = 0; v < n; ++v) couplings.start[v + 1] += couplings.start[v];
 
@@ -66,12 +59,13 @@ Couplings make_couplings(const Mesh& mesh, const DofMap& dofs, std::span<const H
   std::vector<int> next(couplings.start.begin(), couplings.start.end() - 1);
   for (int f = 0; f < mesh.n_faces(); ++f) {
     for (const int v : mesh.face(f)) {
-      for (const int w : mesh.face(f)) couplings.vertex[next[v]++] = w;
+      for (const int w : mesh.face(f)) couplings.vertex[next[owner(v)]++] = owner(w);
     }
   }
   for (const Hinge& hinge : hinges) {
-    couplings.vertex[next[hinge.vertex[2]]++] = hinge.vertex[3];
-    couplings.vertex[next[hinge.vertex[3]]++] = hinge.vertex[2];
+    const int left = owner(hinge.vertex[2]), right = owner(hinge.vertex[3]);
+    couplings.vertex[next[left]++] = right;
+    couplings.vertex[next[right]++] = left;
   }
   sort_unique(couplings);
 
@@ -91,6 +85,10 @@ std::vector<int> lay_out(const Couplings& couplings, const DofMap& dofs, SparseM
   std::vector<int> stride(n);
   std::int64_t non_zeros = 0;
   for (int j = 0; j < n; ++j) {
+    if (dofs.owner(j) != j) {  // the owner is the lowest
+      stride[j] = stride[dofs.owner(j)];
+      continue;
+    }
     const int last = couplings.start[j + 1] - 1;
     const int i = couplings.vertex[last];
     stride[j] = couplings.row[last] + dofs.start[i + 1] - dofs.start[i];
@@ -119,17 +117,39 @@ std::vector<int> lay_out(const Couplings& couplings, const DofMap& dofs, SparseM
 
 }  // namespace
 
-Hinge hinge_at(const Mesh& mesh, int h) {
-  const int twin = mesh.twin(h);
-  return {{mesh.from(h), mesh.to(h), mesh.opposite(h), mesh.opposite(twin)}, {Mesh::face_of(h), Mesh::face_of(twin)}};
+std::vector<Hinge> all_hinges(const Mesh& mesh) {
+  std::vector<Hinge> hinges;
+  hinges.reserve(3 * mesh.n_faces() / 2);
+  for (int h = 0; h < 3 * mesh.face_slots(); ++h) {
+    const int sewn = mesh.seam_twin(h), other = sewn != Mesh::none ? sewn : mesh.twin(h);
+    if (h < other)
+      hinges.push_back({{mesh.from(h), mesh.to(h), mesh.opposite(h), mesh.opposite(other)},
+                        {Mesh::face_of(h), Mesh::face_of(other)},
+                        sewn});
+  }
+  return hinges;
+}
+
+std::array<Vec2, 4> flat_hinge(const Mesh& mesh, const Hinge& hinge) {
+  const auto& [from, to, left, right] = hinge.vertex;
+  std::array<Vec2, 4> X{mesh.X[from], mesh.X[to], mesh.X[left], mesh.X[right]};
+  if (hinge.sewn_to == Mesh::none) return X;
+  // The similarity that takes the other side's edge to this one, as a complex factor: here / there.
+  const Vec2 here = X[1] - X[0], end = mesh.X[mesh.to(hinge.sewn_to)];
+  const Vec2 there = mesh.X[mesh.from(hinge.sewn_to)] - end, p = X[3] - end;
+  const Vec2 turn = Vec2(here.dot(there), here.y() * there.x() - here.x() * there.y()) / there.squaredNorm();
+  X[3] = X[0] + Vec2(turn.x() * p.x() - turn.y() * p.y(), turn.x() * p.y() + turn.y() * p.x());
+  return X;
 }
 
 BlockPattern make_block_pattern(const Mesh& mesh, const DofMap& dofs, bool with_hinges, SparseMatrix& matrix) {
-  const std::vector<Hinge> hinges = with_hinges ? interior_hinges(mesh) : std::vector<Hinge>{};
+  const std::vector<Hinge> hinges = with_hinges ? all_hinges(mesh) : std::vector<Hinge>{};
   const Couplings couplings = make_couplings(mesh, dofs, hinges);
   BlockPattern pattern;
   pattern.stride = lay_out(couplings, dofs, matrix);
-  const auto first_value = [&](int i, int j) { return matrix.outerIndexPtr()[dofs.start[j]] + couplings.row_of(i, j); };
+  const auto first_value = [&](int i, int j) {
+    return matrix.outerIndexPtr()[dofs.x(j)] + couplings.row_of(dofs.owner(i), dofs.owner(j));
+  };
   pattern.faces.resize(mesh.n_faces());
   for (int f = 0; f < mesh.n_faces(); ++f) {
     for (int i = 0; i < 3; ++i) {

@@ -10,14 +10,19 @@
 
 namespace crease {
 
-/// Two faces that share an edge; vertices in the order of BendingElement.
+/// Two faces that share an edge, or are sewn together along one; vertices in the order of BendingElement.
 struct Hinge {
-  std::array<int, 4> vertex;  ///< edge from, edge to, opposite in face 0, opposite in face 1
+  std::array<int, 4> vertex;  ///< edge from and to in face 0, opposite in face 0, opposite in face 1
   std::array<int, 2> face;
+  int sewn_to = Mesh::none;  ///< the half-edge of face 1 on the other side of the seam
 };
 
-/// The hinge at half-edge h of an interior edge.
-Hinge hinge_at(const Mesh& mesh, int h);
+/// One for every edge that bends, ascending by half-edge: interior edges and seams.
+std::vector<Hinge> all_hinges(const Mesh& mesh);
+
+/// Material positions of a hinge's vertices. Across a seam face 1 is laid against face 0, scaled to the length of the
+/// edge there: with the same angles, so that a seam between straight borders bends like the cloth itself.
+std::array<Vec2, 4> flat_hinge(const Mesh& mesh, const Hinge& hinge);
 
 /// Where the vertex blocks of every element stand in a column-compressed matrix.
 ///
@@ -33,7 +38,7 @@ struct BlockPattern {
   };
   std::vector<FaceBlocks> faces;
   std::vector<HingeBlocks> hinges;  ///< empty if made without
-  std::vector<int> stride;          ///< column length of each vertex' columns
+  std::vector<int> stride;          ///< column length of each vertex' columns; tied vertices share theirs
 };
 
 /// Lays out `matrix` (both triangles, values zero) for couplings inside faces and, on request, inside hinges.

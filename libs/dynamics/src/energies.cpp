@@ -53,13 +53,10 @@ Energies measure_energies(const Cloth& cloth, const Material& material, const Ve
     energies.membrane += membrane_element(face.state.X, face.state.x, material).energy;
   }
   if (material.bending == 0) return energies;
-  for (int h = 0; h < 3 * mesh.face_slots(); ++h) {
-    if (mesh.is_border(h) || mesh.twin(h) < h) continue;
-    const std::array<int, 4> v = hinge_at(mesh, h).vertex;
-    const BendingElement element =
-        bending_element({mesh.X[v[0]], mesh.X[v[1]], mesh.X[v[2]], mesh.X[v[3]]}, material.bending);
+  for (const Hinge& hinge : all_hinges(mesh)) {
+    const BendingElement element = bending_element(flat_hinge(mesh, hinge), material.bending);
     Vec3 curvature = Vec3::Zero();
-    for (int i = 0; i < 4; ++i) curvature += element.k[i] * mesh.x[v[i]];
+    for (int i = 0; i < 4; ++i) curvature += element.k[i] * mesh.x[hinge.vertex[i]];
     energies.bending += 0.5 * element.c * curvature.squaredNorm();
   }
   return energies;

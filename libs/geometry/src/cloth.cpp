@@ -20,6 +20,11 @@ bool lies_on(const FeatureId& vertex, const FeatureId& edge) {
 std::optional<std::string> vertex_trouble(const Cloth& cloth, int i) {
   const std::string name = "vertex " + std::to_string(i);
   if (!cloth.v[i].allFinite() || !cloth.V[i].allFinite()) return name + " has a velocity that is not finite";
+  if (const int u = cloth.mesh.tied(i); u != i) {
+    if (cloth.v[i] != cloth.v[u] || cloth.pins[i] != cloth.pins[u])
+      return name + " moves or is held otherwise than what it is tied to";
+    if (cloth.is_eol(i)) return name + " is EOL but on a seam";
+  }
   if (!cloth.is_eol(i)) {
     if (!cloth.V[i].isZero(0)) return name + " is Lagrangian but has an Eulerian velocity";
     return std::nullopt;

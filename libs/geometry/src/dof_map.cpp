@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "crease/geometry/dof_map.hpp"
 
+#include <algorithm>
+
 #include "crease/base/require.hpp"
 
 namespace crease {
@@ -10,8 +12,23 @@ DofMap make_dof_map(const Cloth& cloth) {
   DofMap dofs;
   dofs.start.reserve(static_cast<std::size_t>(cloth.mesh.n_vertices()) + 1);
   dofs.start.push_back(0);
-  for (int i = 0; i < cloth.mesh.n_vertices(); ++i) dofs.start.push_back(dofs.start.back() + (cloth.is_eol(i) ? 5 : 3));
+  const Mesh& mesh = cloth.mesh;
+  if (mesh.has_seams()) {
+    dofs.owners.assign(mesh.X.size(), Mesh::none);
+    for (int i = 0; i < mesh.n_vertices(); ++i)
+      for (int v = i; dofs.owners[v] == Mesh::none; v = mesh.tied(v)) dofs.owners[v] = i;
+  }
+  for (int i = 0; i < mesh.n_vertices(); ++i) {
+    const int n = dofs.owner(i) != i ? 0 : cloth.is_eol(i) ? 5 : 3;
+    dofs.start.push_back(dofs.start.back() + n);
+  }
   return dofs;
+}
+
+std::vector<int> dof_blocks(const DofMap& dofs) {
+  std::vector<int> blocks = dofs.start;
+  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+  return blocks;
 }
 
 VecX gather_velocity(const Cloth& cloth, const DofMap& dofs) {

@@ -212,6 +212,7 @@ Mesh::Renumbering Mesh::compact() {
     X[to_slot] = X[v];
     x[to_slot] = x[v];
     vertex_halfedge_[to_slot] = halfedge_id(vertex_halfedge_[v]);
+    if (has_seams()) tied_[to_slot] = ids.vertex[tied_[v]];
   }
   for (int f = 0; f < face_slots(); ++f) {
     const int to_slot = ids.face[f];
@@ -225,6 +226,7 @@ Mesh::Renumbering Mesh::compact() {
   X.resize(n_vertices_);
   x.resize(n_vertices_);
   vertex_halfedge_.resize(n_vertices_);
+  if (has_seams()) tied_.resize(n_vertices_);
   faces_.resize(n_faces_);
   twin_.resize(3 * static_cast<std::size_t>(n_faces_));
   tag_.resize(3 * static_cast<std::size_t>(n_faces_));

@@ -39,6 +39,7 @@ int Mesh::add_vertex(const Vec2& material, const Vec3& world) {
   X.push_back(material);
   x.push_back(world);
   vertex_halfedge_.push_back(none);
+  if (has_seams()) tied_.push_back(vertex_slots() - 1);
   ++n_vertices_;
   return vertex_slots() - 1;
 }
@@ -75,6 +76,25 @@ void Mesh::anchor(int h) {
 // -- split -----------------------------------------------------------------------------------------------------------
 
 bool Mesh::can_split(int h, double t) const {
+  const int other = seam_twin(h);
+  return can_split_side(h, t) && (other == none || can_split_side(other, 1 - t));
+}
+
+// No triangle has both sides of a seam, so the first split leaves the second as it was.
+Mesh::Split Mesh::split(int h, double t) {
+  CREASE_ASSERT(can_split(h, t));
+  const int other = seam_twin(h);
+  Split result = split_side(h, t);
+  if (other == none) return result;
+  const Split there = split_side(other, 1 - t);
+  result.tied = there.vertex;
+  result.faces.insert(result.faces.end(), there.faces.begin(), there.faces.end());
+  x[there.vertex] = x[result.vertex];
+  tie(result.vertex, there.vertex);
+  return result;
+}
+
+bool Mesh::can_split_side(int h, double t) const {
   if (!(t > 0 && t < 1)) return false;
   const Vec2 m = X[from(h)] + t * (X[to(h)] - X[from(h)]);
   for (const int side : {h, twin_[h]}) {
@@ -88,8 +108,7 @@ bool Mesh::can_split(int h, double t) const {
 // Before:  a --h--> b with c on the left and, unless h is on the border, d on the right.
 // After:   face of h = (a, m, c), new face (m, b, c); face of the twin g = (m, a, d), new face (b, m, d).
 // h and g keep their slots as a -> m and m -> a.
-Mesh::Split Mesh::split(int h, double t) {
-  CREASE_ASSERT(can_split(h, t));
+Mesh::Split Mesh::split_side(int h, double t) {
   const int g = twin_[h], a = from(h), b = to(h), c = opposite(h), tag = tag_[h];
   const int m = add_vertex(X[a] + t * (X[b] - X[a]), x[a] + t * (x[b] - x[a]));
   const int f = face_of(h), f_new = add_face(m, b, c);
@@ -142,7 +161,7 @@ bool Mesh::can_flip(int h) const {
   const int g = twin_[h];
   if (g == none || tag_[h] != 0) return false;
   const int a = from(h), b = opposite(h), c = to(h), d = opposite(g);
-  return find_edge(b, d) == none && is_sound(X[d], X[b], X[a]) && is_sound(X[b], X[d], X[c]);
+  return find_edge(b, d) == none && !are_tied(b, d) && is_sound(X[d], X[b], X[a]) && is_sound(X[b], X[d], X[c]);
 }
 
 // Before:  h = a -> c in face (a, c, b), g = c -> a in face (c, a, d).
@@ -185,9 +204,11 @@ Mesh::Collapse Mesh::collapse(int h) {
 bool Mesh::can_collapse_vertex(int vertex, int into, double min_area) const {
   const int edge = find_edge(vertex, into);
   if (edge == none || !tags_allow_collapse(vertex, edge) || !links_allow_collapse(vertex, into, edge)) return false;
+  if (on_seam(vertex)) return false;
   return all_outgoing(vertex, [&](int h) {
     const int b = to(h), c = opposite(h);
-    return b == into || c == into || is_sound(X[into], X[b], X[c], min_area);
+    if (b == into || c == into) return true;
+    return is_sound(X[into], X[b], X[c], min_area) && !are_tied(b, into) && !are_tied(c, into);
   });
 }
 

@@ -67,7 +67,7 @@ std::optional<std::string> Mesh::validate() const {
   }
   if (live_faces != n_faces_) return "the number of live faces is not n_faces()";
   if (live_vertices != n_vertices_) return "the number of live vertices is not n_vertices()";
-  return std::nullopt;
+  return seam_trouble();
 }
 
 }  // namespace crease

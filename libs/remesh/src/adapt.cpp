@@ -10,6 +10,7 @@
 #include "editor.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
+#include "neighbourhood.hpp"
 #include "options.hpp"
 #include "room.hpp"
 #include "sizing.hpp"
@@ -82,7 +83,7 @@ class Adapter {
       if (look_again()) look_at_edges();
       collapse_short_edges();
       if (touched_.empty()) break;
-      edges_ = edges_at(touched_);
+      edges_ = edges_at(mesh(), touched_);
       everywhere_ = false;
     }
     return std::move(editor_).finish();
@@ -109,6 +110,7 @@ class Adapter {
   bool is_worse_diagonal(int h) const;
   std::optional<double> should_flip(int h);
   void split_long_edges();
+  Tensor mean_size(int h) const;
   void split(int h, Queue& queue);
   void collapse_short_edges();
   bool leaves_short_edges(int p, int q) const;
@@ -118,8 +120,6 @@ class Adapter {
   void touch(const std::vector<int>& faces);
   bool look_again();
   void look_at_edges();
-  std::vector<int> edges_at(const std::vector<int>& vertices) const;
-  std::vector<int> halfedges_around(int vertex) const;
   Candidate candidate(int h) const;
   void push_splits(Queue& queue, const std::vector<int>& halfedges) const;
   void push_collapse(Queue& queue, const Candidate& edge) const;
@@ -201,32 +201,8 @@ bool Adapter::look_again() {
   }
   for (const int h : edges_)
     if (mesh().face_live(Mesh::face_of(h))) touched_.insert(touched_.end(), {mesh().from(h), mesh().to(h)});
-  edges_ = edges_at(touched_);
+  edges_ = edges_at(mesh(), touched_);
   return true;
-}
-
-std::vector<int> Adapter::edges_at(const std::vector<int>& vertices) const {
-  std::vector<char> chosen(static_cast<std::size_t>(3 * mesh().face_slots()), 0);
-  for (const int v : vertices) {
-    if (!mesh().vertex_live(v)) continue;
-    mesh().all_outgoing(v, [&](int h) {
-      for (int k = 0; k < 3; ++k, h = Mesh::next(h)) chosen[mesh().edge_of(h)] = 1;
-      return true;
-    });
-  }
-  std::vector<int> edges;
-  for (int h = 0; h < 3 * mesh().face_slots(); ++h)
-    if (chosen[h]) edges.push_back(h);
-  return edges;
-}
-
-std::vector<int> Adapter::halfedges_around(int vertex) const {
-  std::vector<int> result;
-  mesh().all_outgoing(vertex, [&](int h) {
-    for (int k = 0; k < 3; ++k, h = Mesh::next(h)) result.push_back(h);
-    return true;
-  });
-  return result;
 }
 
 // The corners of h's face: where h begins, where it ends, and the one opposite.
@@ -331,21 +307,30 @@ void Adapter::split_long_edges() {
   }
 }
 
-void Adapter::split(int h, Queue& queue) {
+Tensor Adapter::mean_size(int h) const {
   const auto log = [](double l) { return std::log(l); };
   const auto exp = [](double l) { return std::exp(l); };
   const Tensor logs = map_eigenvalues(sizes_[mesh().from(h)], log) + map_eigenvalues(sizes_[mesh().to(h)], log);
-  const int twin = mesh().twin(h);
-  const double moved = std::max(moved_[Mesh::face_of(h)], twin == Mesh::none ? 0.0 : moved_[Mesh::face_of(twin)]);
+  return map_eigenvalues(0.5 * logs, exp);
+}
+
+void Adapter::split(int h, Queue& queue) {
+  const Tensor size = mean_size(h);
+  const int sewn = mesh().seam_twin(h);
+  const Tensor size_there = sewn == Mesh::none ? Tensor() : mean_size(sewn);
+  const int across = sewn == Mesh::none ? mesh().twin(h) : sewn;
+  const double moved = std::max(moved_[Mesh::face_of(h)], across == Mesh::none ? 0.0 : moved_[Mesh::face_of(across)]);
   const Mesh::Split done = editor_.split(h, 0.5);
   set_moved(done.faces, moved);
-  sizes_.push_back(map_eigenvalues(0.5 * logs, exp));
+  sizes_.push_back(size);
+  if (done.tied != Mesh::none) sizes_.push_back(size_there);
   touch(done.faces);
   std::vector<int> sides;
   for (const int f : done.faces) sides.insert(sides.end(), {3 * f, 3 * f + 1, 3 * f + 2});
   flip_around(std::move(sides));
   // Flips pass on what they touch to each other only, so look again at all that surrounds the new vertex.
-  push_splits(queue, halfedges_around(done.vertex));
+  push_splits(queue, halfedges_around(mesh(), done.vertex));
+  if (done.tied != Mesh::none) push_splits(queue, halfedges_around(mesh(), done.tied));
 }
 
 // Whether p's edges, moved to q, would be short enough. The one test that nearly all candidates fail, so it comes first
@@ -387,7 +372,7 @@ void Adapter::collapse(int p, int q, double moved, Queue& queue) {
   std::vector<int> sides;
   for (const int f : done.faces) sides.insert(sides.end(), {3 * f, 3 * f + 1, 3 * f + 2});
   flip_around(std::move(sides));
-  for (const int h : halfedges_around(done.into))
+  for (const int h : halfedges_around(mesh(), done.into))
     if (const Candidate edge = candidate(h); is_short(edge)) push_collapse(queue, edge);
 }
 

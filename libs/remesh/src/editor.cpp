@@ -49,12 +49,13 @@ Editor::Editor(const Cloth& cloth, bool conserve)
   drift_ = report_.before.linear / report_.before.area;
 }
 
+// A seam's two new vertices come one after the other.
 void Editor::add_vertex(const Vec3& v, const Vec2& V, const FeatureId& feature, std::uint64_t pins) {
   cloth_.v.push_back(v);
   cloth_.V.push_back(V);
   cloth_.feature.push_back(feature);
   cloth_.pins.push_back(pins);
-  CREASE_ASSERT(cloth_.v.size() == cloth_.mesh.X.size());
+  CREASE_ASSERT(cloth_.v.size() <= cloth_.mesh.X.size());
   report_.changed = true;
   ++report_.splits;
 }
@@ -78,6 +79,7 @@ Mesh::Split Editor::split(int h, double t) {
   }
   const Mesh::Split done = cloth_.mesh.split(h, t);
   add_vertex(v, V, feature, pins);
+  if (done.tied != Mesh::none) add_vertex(v, V, feature, pins);
   return done;
 }
 
@@ -132,7 +134,7 @@ void Editor::change_star(int vertex, Change change) {
 }
 
 void Editor::slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v) {
-  CREASE_ASSERT(!cloth_.is_eol(vertex));
+  CREASE_ASSERT(!cloth_.is_eol(vertex) && !mesh().on_seam(vertex));
   change_star(vertex, [&] {
     cloth_.mesh.X[vertex] = X;
     cloth_.mesh.x[vertex] = x;
@@ -142,7 +144,7 @@ void Editor::slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v) {
 
 // The move to the feature changes F in the faces, and with it what other EOL vertices there carry.
 void Editor::ride(int vertex, const FeatureId& feature, const Vec3& point) {
-  CREASE_ASSERT(!cloth_.is_eol(vertex));
+  CREASE_ASSERT(!cloth_.is_eol(vertex) && !mesh().on_seam(vertex));
   change_star(vertex, [&] {
     cloth_.feature[vertex] = feature;
     cloth_.mesh.x[vertex] = point;

@@ -177,6 +177,7 @@ Verdict judge_collapse(const Cloth& cloth, int vertex, int into, const GuardLimi
   if (cloth.is_eol(vertex) &&
       (!along_chain || cloth.feature[vertex].kind != FeatureKind::Edge || mesh.is_border_vertex(vertex)))
     return {RefusalReason::WouldLoseChain};
+  if (mesh.on_seam(vertex)) return {RefusalReason::OnSeam};
   if (mesh.is_material_corner(vertex)) return {RefusalReason::AtCorner};
   const Target target = at_vertex(mesh, into);
   if (left_behind(mesh, vertex, target) > limits.shift) return {RefusalReason::WouldMoveSurface};

@@ -32,7 +32,7 @@ constexpr double separating_gap_share = 1e-6;
 constexpr double separating_depth_share = 0.1;
 
 bool may_ride(const Conforming& c, int v) {
-  if (c.cloth().is_eol(v) || c.cloth().pins[v] != 0) return false;
+  if (c.cloth().is_eol(v) || c.cloth().pins[v] != 0 || c.mesh().on_seam(v)) return false;
   return !c.mesh().is_border_vertex(v) || !c.mesh().is_material_corner(v);
 }
 
@@ -130,6 +130,10 @@ void insert_crossing(Conforming& c, const Contact& contact) {
   const double gap = std::min(t, 1 - t) * c.mesh().material_length(h);
   const bool at_border_vertex = gap <= c.merge(least_gap_share) && c.mesh().is_border_vertex(end);
   const int border_edge = c.mesh().is_border(h) ? h : at_border_vertex ? c.mesh().halfedge(end) : Mesh::none;
+  if (at_border_vertex && c.mesh().on_seam(end)) {
+    c.editor.refuse_once(RefusalReason::OnSeam, point.X);
+    return;
+  }
   if (const auto reason = inadmissible(c, point.X, direction, border_edge)) {
     c.editor.refuse_once(*reason, point.X);
     return;
@@ -231,6 +235,7 @@ SurfacePoint on_edge_point(const Cloth& cloth, int h, double t) {
 std::optional<RefusalReason> inadmissible(const Conforming& c, const Vec2& P, const Vec2& direction, int border_edge) {
   if (c.border.corner_distance(P) < c.options.merge) return RefusalReason::AtCorner;
   if (border_edge != Mesh::none) {
+    if (c.mesh().seam_twin(border_edge) != Mesh::none) return RefusalReason::OnSeam;
     const Vec2 e = c.mesh().X[c.mesh().to(border_edge)] - c.mesh().X[c.mesh().from(border_edge)];
     if (std::abs(e.dot(direction)) > c.border_cosine(1) * e.norm()) return RefusalReason::NearBorder;
     return std::nullopt;

@@ -253,7 +253,8 @@ Merger::Way Merger::best_foot(int r, const Permission& allowed) const {
 }
 
 bool Merger::absorb(int r, double room) {
-  if (cloth().pins[r] != 0 || (mesh().is_border_vertex(r) && mesh().is_material_corner(r))) return false;
+  if (cloth().pins[r] != 0 || mesh().on_seam(r) || (mesh().is_border_vertex(r) && mesh().is_material_corner(r)))
+    return false;
   const Permission allowed = permission(room);
   const Way vertex = best_vertex(r, allowed), foot = best_foot(r, allowed);
   const bool good = vertex.altitude >= way(good_altitude_share) && vertex.shift <= good_shift_share * c_.options.snap;

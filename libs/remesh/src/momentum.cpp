@@ -235,7 +235,7 @@ void settle(Cloth& cloth, const Account& before, const Account& after, const Fra
       -debt.energy <= energy_rounding * before.kinetic)
     return;
   sort_unique(patch);
-  const auto held = [&](int v) { return cloth.is_eol(v) || cloth.pins[v] != 0; };
+  const auto held = [&](int v) { return cloth.is_eol(v) || cloth.pins[v] != 0 || cloth.mesh.is_tied(v); };
   for (int ring = 0; ring <= max_rings; ++ring) {
     if (ring > 0) patch = with_neighbours(cloth.mesh, patch);
     std::vector<int> free = patch;

@@ -27,8 +27,8 @@ struct Account {
 Account account(const Cloth& cloth, std::span<const int> faces, const Frame& frame);
 
 /// Makes up for what an operation did to its patch: changes the velocities of the free vertices (Lagrangian, not
-/// pinned) among `patch`, by the least change of the velocity field, so that both momenta are as `before` and the
-/// kinetic energy is not above it. Where they cannot, first the vertices around them join in; then the energy comes
+/// pinned or tied) among `patch`, by the least change of the velocity field, so that both momenta are as `before` and
+/// the kinetic energy is not above it. Where they cannot, first the vertices around them join in; then the energy comes
 /// before the angular momentum.
 /// @param before, after  accounts of the patch in `frame`, before the operation and now
 void settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame, std::vector<int> patch);

@@ -60,6 +60,8 @@ const char* to_string(RefusalReason reason) {
       return "would move the surface";
     case RefusalReason::NearObstacle:
       return "would move the surface near an obstacle";
+    case RefusalReason::OnSeam:
+      return "on a seam";
   }
   return "unknown";
 }

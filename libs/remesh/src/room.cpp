@@ -99,7 +99,7 @@ std::vector<int> vertices_beside_chains(const Cloth& cloth) {
 
 std::optional<Slide> slide_from_chain(const Cloth& cloth, int vertex, const Tensor& size, const GuardLimits& limits) {
   const Mesh& mesh = cloth.mesh;
-  if (cloth.pins[vertex] != 0) return std::nullopt;
+  if (cloth.pins[vertex] != 0 || mesh.on_seam(vertex)) return std::nullopt;
   const std::optional<Vec2> way = way_from_chain(cloth, vertex);
   if (!way) return std::nullopt;
   const double length = std::sqrt(std::max(0.0, size.along(*way)));

@@ -42,7 +42,8 @@ int edge_tag(int obstacle, int index);
 FeatureId tag_feature(int tag);
 
 /// First broken invariant in words, or nothing: mesh.validate(), array sizes, finite numbers, V = 0 off EOL vertices,
-/// no EOL vertex at a material corner, every tagged edge ends in two EOL vertices that lie on that feature.
+/// no EOL vertex at a material corner or tied by a seam, tied vertices with the same velocity and pins, every tagged
+/// edge ends in two EOL vertices that lie on that feature.
 std::optional<std::string> validate(const Cloth& cloth);
 
 }  // namespace crease

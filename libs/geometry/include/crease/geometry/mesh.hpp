@@ -19,8 +19,14 @@ namespace crease {
 /// (min(h, twin)). Vertices and faces are removed by marking and their slots are not reused until `compact()`, so ids
 /// stay valid through a remeshing pass. Every operation is deterministic.
 ///
+/// Seams. Panels that are sewn together stay apart in material space: each side of a seam has border vertices of its
+/// own. Those that are one point of the sewn cloth are *tied*: they share their world position, bit for bit. Two border
+/// edges whose ends are tied crosswise are the two sides of a seam. Operations keep both: a seam is split on both sides
+/// at once, and its vertices are never removed.
+///
 /// Invariants, checked by `validate()`: edge-manifold with one fan of faces a vertex that goes round it at most once,
-/// every live face has positive material area, twins agree, tags agree on both sides, no vertex without a face.
+/// every live face has positive material area, twins agree, tags agree on both sides, no vertex without a face; tied
+/// vertices stand at one place and never in one face, and a seam has two sides, which run in opposite directions.
 class Mesh {
  public:
   static constexpr int none = -1;
@@ -82,6 +88,21 @@ class Mesh {
   /// Border vertex where the border turns by more than `angle` [rad]: never moved, collapsed or made Eulerian.
   bool is_material_corner(int v, double angle = 0.2) const;
 
+  // -- seams ---------------------------------------------------------------------------------------------------------
+  bool has_seams() const { return !tied_.empty(); }
+  /// The next vertex in the ring of those that are tied to v; v itself if there is none.
+  int tied(int v) const { return tied_.empty() ? v : tied_[v]; }
+  bool is_tied(int v) const { return tied(v) != v; }
+  /// Whether a and b are one point of the sewn cloth (or one vertex).
+  bool are_tied(int a, int b) const;
+  /// The other side of the seam at border half-edge h, which runs the other way; none where h is no seam.
+  int seam_twin(int h) const;
+  /// Whether v is tied or the end of a seam. Such a vertex stays.
+  bool on_seam(int v) const;
+  /// Makes a and b, and all that are tied to them, one point of the sewn cloth.
+  /// @pre both live, x[a] == x[b], in no face together; validate() tells whether the seams that this makes are sound
+  void tie(int a, int b);
+
   // -- edge tags: 0 = plain; any other number names a line that must stay in the mesh as a chain of edges ------------
   int tag(int h) const { return tag_[h]; }
   void set_tag(int h, int tag);  ///< both sides
@@ -93,17 +114,19 @@ class Mesh {
   struct Split {
     int vertex;              ///< the new vertex
     std::vector<int> faces;  ///< every face that is new or changed
+    int tied = none;         ///< the new vertex on the other side of a seam, which is vertex + 1
   };
   /// Splits edge h at from + t (to - from), 0 < t < 1, in both spaces. Both halves inherit the tag; the one or two new
-  /// inner edges have none. The surface does not change. The half towards from(h) keeps the slot h.
+  /// inner edges have none. The surface does not change. The half towards from(h) keeps the slot h. The other side of a
+  /// seam is split at 1 - t, and the two new vertices are tied.
   /// @pre the children keep positive material area: see can_split.
   bool can_split(int h, double t) const;
   Split split(int h, double t);
   /// Splits face f at the point with barycentric coordinates b (all positive).
   bool can_split_face(int f, const Vec3& b) const;
   Split split_face(int f, const Vec3& b);
-  /// Replaces edge ac by bd in the two faces of h. False on the border, on a tagged edge, where bd exists already, or
-  /// where a new face would have no positive material area.
+  /// Replaces edge ac by bd in the two faces of h. False on the border, on a tagged edge, where bd exists already,
+  /// where b and d are tied, or where a new face would have no positive material area.
   bool can_flip(int h) const;
   std::array<int, 2> flip(int h);  ///< the two faces, both changed
   /// What a collapse did.
@@ -115,8 +138,9 @@ class Mesh {
   };
   /// Removes from(h), moving its edges to to(h). False if the link condition fails, if a border vertex would leave the
   /// border or shorten it through a corner, if a tagged line would be shortened other than along itself (exactly two
-  /// edges with the same tag at from(h), h one of them; or from(h) untagged), or if a face that stays would have a
-  /// material area not above `min_area` (absolute, >= 0). Tags of merging edges are kept (a tagged one wins).
+  /// edges with the same tag at from(h), h one of them; or from(h) untagged), if from(h) is on a seam, or if a face
+  /// that stays would have two tied corners or a material area not above `min_area` (absolute, >= 0). Tags of merging
+  /// edges are kept (a tagged one wins).
   bool can_collapse(int h, double min_area = 0.0) const;
   Collapse collapse(int h);
   /// The same, named by its two vertices: a border edge has a half-edge in one direction only, yet either end may go.
@@ -138,6 +162,10 @@ class Mesh {
   std::vector<Vec3> x;  ///< world positions [m]
 
  private:
+  Split split_side(int h, double t);
+  bool can_split_side(int h, double t) const;
+  bool has_double(int h) const;
+  std::optional<std::string> seam_trouble() const;
   int add_face(int a, int b, int c);
   int add_vertex(const Vec2& material, const Vec3& world);
   void remove_face(int f);
@@ -156,6 +184,7 @@ class Mesh {
   std::vector<std::array<int, 3>> faces_;
   std::vector<int> twin_, tag_;  // one entry a half-edge
   std::vector<int> vertex_halfedge_;
+  std::vector<int> tied_;  // one entry a vertex; empty without seams
   int n_vertices_ = 0, n_faces_ = 0;
 };
 

@@ -12,8 +12,10 @@
 
 namespace crease {
 
-/// Reads a cloth mesh: v = world position, vt = material coordinate in metres. Polygons are refused; a file without vt,
-/// a seam (one v with several vt), a non-manifold, inverted or zero-area triangle too.
+/// Reads a cloth mesh: v = world position, vt = material coordinate in metres. An edge whose two triangles have other
+/// vt at it is a seam: its v become a vertex on each side, tied. Vertex i is v number i + 1, with the lowest vt it has;
+/// the further vertices of seams follow, by vt. Panels should lie side by side in vt: how far a fold is from the border
+/// is measured there. Polygons are refused; a file without vt, a non-manifold, inverted or zero-area triangle too.
 /// Throws std::runtime_error "FILE:LINE: what is wrong and what would be right".
 Mesh read_obj(const std::filesystem::path& file);
 
@@ -25,7 +27,8 @@ struct NamedCloth {
   std::string name;
   const Cloth* cloth;
 };
-/// Writes `# time T`, `# eol i j ...` (1-based), `v`, `vt`, `f a/a b/b c/c`; one `o NAME` each with several cloths.
+/// Writes `# time T`, `# eol i j ...` (v, 1-based), `v`, `vt`, `f a/a b/b c/c`; one `o NAME` each with several cloths.
+/// There is one `vt` a vertex, and one `v` for all that are tied: without seams they have the same numbers.
 /// Each number is the shortest decimal that reads back as the same double.
 void write_obj(std::ostream& out, std::span<const NamedCloth> cloths, double time);
 

@@ -44,9 +44,10 @@ enum class RefusalReason {
   NotManifold,
   Pinned,
   WouldMoveSurface,
-  NearObstacle
+  NearObstacle,
+  OnSeam
 };
-inline constexpr std::size_t n_refusal_reasons = 12;
+inline constexpr std::size_t n_refusal_reasons = 13;
 const char* to_string(RefusalReason reason);
 
 /// Something that could not be done, and where. The mesh is valid all the same; the next pass tries it anew.
@@ -71,7 +72,7 @@ struct RemeshReport {
   int inserted = 0;      ///< new EOL vertices from contact
   int released = 0;      ///< EOL vertices made Lagrangian
   int splits = 0, flips = 0, collapses = 0;
-  std::vector<Refusal> refusals;  ///< NearBorder, AtCorner, Separating are rules, not trouble: at most one each
+  std::vector<Refusal> refusals;  ///< NearBorder, AtCorner, OnSeam, Separating are rules, not trouble: at most one each
   /// Flips and collapses that were due but not allowed, by RefusalReason; they are tried again in every pass.
   std::array<int, n_refusal_reasons> kept_back{};
   std::vector<int> vertex_map;          ///< old -> new vertex (Mesh::none = gone); empty when nothing changed
