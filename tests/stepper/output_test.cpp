@@ -209,9 +209,8 @@ TEST(StepsCsv, ShowsWhatRemeshingFoundAndLeft) {
       if (k == 0 || steps["retries"][k] > 0) continue;
       EXPECT_NEAR(before, steps[part][k - 1], 1e-13) << part;
     }
-    // A split beside the chain makes a Lagrangian vertex, which has one velocity where two faces had two: that may
-    // raise the energy, by 3e-7 here.
-    EXPECT_LE(steps["kinetic_energy_after_remesh"][k], steps["kinetic_energy_before_remesh"][k] * (1 + 1e-6));
+    // Not raised, but for the rounding of sums over some 100 faces.
+    EXPECT_LE(steps["kinetic_energy_after_remesh"][k], steps["kinetic_energy_before_remesh"][k] * (1 + 1e-13));
   }
   EXPECT_GT(operations, 0);
   ASSERT_EQ(run_scene(hanging_scene(), {.directory = folder.path() / "plain", .until = 0.01}).status, RunStatus::Done);

@@ -66,7 +66,27 @@ Vec3 Editor::mean_position(const std::vector<int>& vertices) const {
   return sum / static_cast<double>(vertices.size());
 }
 
+// The faces at h, if their velocity fields, each with its own F, may disagree along it: a split there averages them.
+std::vector<int> Editor::disagreeing_faces(int h) const {
+  if (mesh().is_border(h) || mesh().tag(h) != 0) return {};
+  std::vector<int> faces{Mesh::face_of(h), Mesh::face_of(mesh().twin(h))};
+  const bool agree = !cloth_.is_eol(mesh().from(h)) && !cloth_.is_eol(mesh().to(h));
+  return agree || !conserve_ ? std::vector<int>{} : faces;
+}
+
 Mesh::Split Editor::split(int h, double t) {
+  const std::vector<int> faces = disagreeing_faces(h);
+  if (faces.empty()) return split_alone(h, t);
+  std::vector<int> payers{mesh().from(h), mesh().opposite(h), mesh().to(h), mesh().opposite(mesh().twin(h))};
+  const Frame frame{mean_position(payers), drift_};
+  const Account before = account(cloth_, faces, frame);
+  Mesh::Split done = split_alone(h, t);
+  payers.push_back(done.vertex);
+  settle(cloth_, before, account(cloth_, done.faces, frame), frame, std::move(payers));
+  return done;
+}
+
+Mesh::Split Editor::split_alone(int h, double t) {
   const int a = mesh().from(h), b = mesh().to(h), tag = mesh().tag(h);
   const std::uint64_t pins = cloth_.pins[a] & cloth_.pins[b];
   Vec3 v = edge_velocity(cloth_, h, t);
@@ -158,7 +178,7 @@ void Editor::share(int vertex, const Vec2& V, const Mat32& F) {
 }
 
 void Editor::release(int vertex) {
-  make_lagrangian(cloth_, vertex);
+  change_star(vertex, [&] { make_lagrangian(cloth_, vertex); });
   report_.changed = true;
   ++report_.released;
 }

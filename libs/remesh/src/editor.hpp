@@ -13,8 +13,9 @@ namespace crease {
 /// A cloth while it is being remeshed: the mesh's operations, each of which carries velocities, features and pins along
 /// and keeps momentum, and the account of what was done. Vertex ids stay valid until finish().
 ///
-/// Momentum. A split keeps the velocity field, and a release the linear momentum. Flips, collapses and moves change the
-/// space of velocity fields: settle() sees to it that they neither lose momentum nor raise the kinetic energy.
+/// Momentum. A split keeps the velocity field, but for one: at an edge that ends in an Eulerian vertex the two faces
+/// disagree about the velocity there, and their mean is taken. Such splits, flips, collapses, releases and moves change
+/// the velocity field: settle() sees to it that they neither lose momentum nor raise the kinetic energy.
 class Editor {
  public:
   /// @param conserve  false: velocities are interpolated and nothing else, for comparison
@@ -57,6 +58,8 @@ class Editor {
   /// The same for a change of one vertex that leaves the mesh as it is.
   template <typename Change>
   void change_star(int vertex, Change change);
+  std::vector<int> disagreeing_faces(int h) const;
+  Mesh::Split split_alone(int h, double t);
   Vec3 mean_position(const std::vector<int>& vertices) const;
 
   Cloth cloth_;
