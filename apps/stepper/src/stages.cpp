@@ -19,6 +19,10 @@ constexpr double merge_share_of_size = 0.5;
 constexpr double steps_ahead = 7;
 constexpr double clearance_share_of_longest = 0.35;
 
+/// A step may end with the cloth this deep inside an obstacle, as a share of the contact threshold, without being
+/// solved again: a tenth of what is promised, and far above what a solver leaves.
+constexpr double foreseen_depth = 0.1;
+
 double material_length(const Cloth& cloth) {
   Vec2 low = cloth.mesh.X.front(), high = low;
   for (const Vec2& X : cloth.mesh.X) low = low.cwiseMin(X), high = high.cwiseMax(X);
@@ -96,6 +100,10 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
     stages.detect = [detector, threshold = scene.threshold, g = scene.gravity.norm()](
                         const Cloth& cloth, std::span<const PosedObstacle> obstacles, double h) {
       return detector->detect(cloth, obstacles, {threshold, h, g * h * h});
+    };
+    stages.foresee = [detector, depth = foreseen_depth * scene.threshold](
+                         const Cloth& cloth, std::span<const PosedObstacle> obstacles, double h) {
+      return detector->foresee(cloth, obstacles, h, depth);
     };
   }
   AdaptOptions adapt_options = spec.adapt;

@@ -74,16 +74,34 @@ bool outran(const Vec3& x, const Vec3& solved, const Vec3& looked, std::span<con
   });
 }
 
-/// Adds the contacts of `more` that `contacts` lacks; their number.
-int add_new(std::vector<Contact>& contacts, const std::vector<Contact>& more) {
-  const auto key = [](const Contact& c) {
-    return std::tuple(c.type, c.obstacle, c.feature.kind, c.feature.index, c.vertices);
-  };
-  std::set<decltype(key(Contact{}))> known;
-  for (const Contact& contact : contacts) known.insert(key(contact));
+using ContactKey = std::tuple<ContactType, int, FeatureKind, int, std::array<int, 3>>;
+ContactKey key_of(const Contact& c) {
+  return {c.type, c.obstacle, c.feature.kind, c.feature.index, c.vertices};
+}
+
+std::set<ContactKey> keys_of(const std::vector<Contact>& contacts) {
+  std::set<ContactKey> keys;
+  for (const Contact& contact : contacts) keys.insert(key_of(contact));
+  return keys;
+}
+
+/// Adds the contacts of `more` that are not in `known`, to both; their number.
+int add_new(std::vector<Contact>& contacts, std::set<ContactKey>& known, const std::vector<Contact>& more) {
   int n = 0;
   for (const Contact& contact : more) {
-    if (!known.insert(key(contact)).second) continue;
+    if (!known.insert(key_of(contact)).second) continue;
+    contacts.push_back(contact);
+    ++n;
+  }
+  return n;
+}
+
+/// Adds what a solution runs into; the number. The same pair may do so again at another place, unless it was inside to
+/// begin with: then it comes out no faster than it may, and stays inside for now.
+int add_foreseen(std::vector<Contact>& contacts, std::set<ContactKey>& inside, const std::vector<Contact>& foreseen) {
+  int n = 0;
+  for (const Contact& contact : foreseen) {
+    if (contact.distance < 0 && !inside.insert(key_of(contact)).second) continue;
     contacts.push_back(contact);
     ++n;
   }
@@ -308,21 +326,26 @@ bool SheetStepper::Impl::solve(Work& work) {
 // constraints. Contacts are only ever added, and each time costs a pass of the budget.
 bool SheetStepper::Impl::constrain_and_solve(Work& work) {
   std::vector<Vec3> looked = work.cloth.v;  // as far as detection went
+  std::set<ContactKey> detected = keys_of(work.contacts), inside;
   for (int pass = 0; pass < max_passes; ++pass) {
+    const std::size_t n_rows = work.rows.in.size();
     constrain(work);
+    if (pass > 0 && work.rows.in.size() == n_rows) return true;  // pins decide whatever was added
     if (!solve(work)) return false;
     if (!stages.detect || !stages.constrain || !work.solution.q.allFinite()) return true;
+    Cloth moved = work.cloth;
     bool farther = false;
     for (int v = 0; v < work.cloth.mesh.n_vertices(); ++v) {
-      const Vec3 solved = work.solution.q.segment<3>(work.dofs.x(v));
-      if (!outran(work.cloth.mesh.x[v], solved, looked[v], work.posed, work.h, settings.threshold)) continue;
-      looked[v] = solved;
+      moved.v[v] = work.solution.q.segment<3>(work.dofs.x(v));
+      if (!outran(work.cloth.mesh.x[v], moved.v[v], looked[v], work.posed, work.h, settings.threshold)) continue;
+      looked[v] = moved.v[v];
       farther = true;
     }
-    if (!farther) return true;
-    Cloth moved = work.cloth;
-    moved.v = looked;
-    const int n = add_new(work.contacts, stages.detect(moved, work.posed, work.h));
+    int n = stages.foresee ? add_foreseen(work.contacts, inside, stages.foresee(moved, work.posed, work.h)) : 0;
+    if (farther) {
+      moved.v = looked;
+      n += add_new(work.contacts, detected, stages.detect(moved, work.posed, work.h));
+    }
     work.report.contacts = static_cast<int>(work.contacts.size());
     work.report.times.detect += work.watch.lap();
     if (n == 0) return true;

@@ -7,6 +7,7 @@
 #include "crease/base/require.hpp"
 #include "fcl_bridge.hpp"
 #include "narrow_phase.hpp"
+#include "sweep.hpp"
 
 namespace crease {
 namespace {
@@ -98,6 +99,19 @@ void check(const Cloth& cloth, std::span<const PosedObstacle> obstacles, const D
   }
 }
 
+// A contact of the end of a motion as one of its beginning. Its weights, point and normal are what a row needs that is
+// linear in the velocity; those of the beginning may not even be there, as where an edge of the cloth reaches a sharp
+// edge's end only under way.
+Contact of_beginning(Contact contact, const Cloth& cloth, const Pose& start, const Pose& end) {
+  contact.point = start.to_world(end.to_local(contact.point));
+  contact.velocity = start.velocity_at(contact.point);
+  Vec3 x = Vec3::Zero();
+  for (int k = 0; k < contact.n_vertices; ++k) x += contact.weights[k] * cloth.mesh.x[contact.vertices[k]];
+  contact.distance = contact.normal.dot(x - contact.point);
+  contact.normal = start.rotation * (end.rotation.transpose() * contact.normal);
+  return contact;
+}
+
 // One obstacle's contacts in the order the header promises. The tree is asked once for the whole obstacle and, for what
 // is left of the cloth, once for each sharp feature.
 class ObstacleSearch {
@@ -174,6 +188,26 @@ std::vector<Contact> Detector::detect(const Cloth& cloth, std::span<const PosedO
   for (int o = 0; o < static_cast<int>(obstacles.size()); ++o) {
     const PlacedObstacle obstacle = place(obstacles[static_cast<std::size_t>(o)], o);
     ObstacleSearch(cloth, impl_->tree, obstacle, options).append_to(contacts);
+  }
+  return contacts;
+}
+
+std::vector<Contact> Detector::foresee(const Cloth& cloth, std::span<const PosedObstacle> obstacles, double h,
+                                       double depth) {
+  require(std::isfinite(h) && h > 0 && std::isfinite(depth) && depth >= 0,
+          "foresee: expected a finite h > 0 and a finite depth >= 0");
+  check(cloth, obstacles, {});
+  Cloth moved = cloth;
+  for (std::size_t i = 0; i < moved.mesh.x.size(); ++i) moved.mesh.x[i] += h * moved.v[i];
+  std::vector<PosedObstacle> after(obstacles.begin(), obstacles.end());
+  for (PosedObstacle& obstacle : after) obstacle.pose = pose_after(obstacle.pose, h);
+  std::vector<Contact> contacts = detect(moved, after, {.threshold = depth});
+  std::erase_if(contacts, [depth](const Contact& contact) { return contact.distance >= -depth; });
+  for (Contact& contact : contacts)
+    contact = of_beginning(contact, cloth, obstacles[contact.obstacle].pose, after[contact.obstacle].pose);
+  for (int o = 0; o < static_cast<int>(obstacles.size()); ++o) {
+    const std::vector<Contact> passed = passed_features(cloth, place(obstacles[o], o), h, depth);
+    contacts.insert(contacts.end(), passed.begin(), passed.end());
   }
   return contacts;
 }

@@ -35,6 +35,13 @@ PlacedEdge place_edge(const SharpEdge& edge, const Pose& pose) {
 
 }  // namespace
 
+Pose pose_after(const Pose& pose, double h) {
+  Pose after = pose;
+  after.position += h * pose.velocity;
+  after.rotation += h * pose.spin * pose.rotation;
+  return after;
+}
+
 PlacedObstacle place(const PosedObstacle& obstacle, int index) {
   const ObstacleShape& shape = *obstacle.shape;
   require(shape.kind != ObstacleShape::Kind::Mesh || shape.surface, "collision: expected a mesh made by make_mesh");

@@ -40,6 +40,9 @@ struct PlacedObstacle {
   Eigen::AlignedBox3d bounds;
 };
 
+/// Where the obstacle is after h seconds of this motion.
+Pose pose_after(const Pose& pose, double h);
+
 PlacedObstacle place(const PosedObstacle& obstacle, int index);
 
 }  // namespace crease

@@ -78,6 +78,9 @@ SurfacePoint on_edge_point(const Cloth& cloth, int h, double t);
 /// first.
 bool passes_by(const Conforming& c, int vertex, const Vec2& P, const FeatureId& feature, double reach);
 
+/// Whether another feature's chain ends at the border in `u`, within `reach` of P, which is on the border too.
+bool ends_beside(const Conforming& c, int u, const Vec2& P, const FeatureId& feature, double reach);
+
 // -- stages
 // ---------------------------------------------------------------------------------------------------------------
 void release_strays(Conforming& c);

@@ -138,8 +138,12 @@ void insert_crossing(Conforming& c, const Contact& contact) {
     c.editor.refuse_once(*reason, point.X);
     return;
   }
-  if (passes_by(c, a, point.X, contact.feature, c.merge(cross_insert_share)) ||
-      passes_by(c, b, point.X, contact.feature, c.merge(cross_insert_share))) {
+  const auto is_taken = [&](int v) {
+    const double reach = c.merge(cross_insert_share);
+    return passes_by(c, v, point.X, contact.feature, reach) ||
+           (border_edge != Mesh::none && ends_beside(c, v, point.X, contact.feature, reach));
+  };
+  if (is_taken(a) || is_taken(b)) {
     c.editor.refuse_once(RefusalReason::NotConnected, point.X);
     return;
   }

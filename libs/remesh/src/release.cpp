@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "conforming.hpp"
 #include "crease/geometry/chain.hpp"
@@ -52,12 +53,32 @@ bool is_crowded(const Conforming& c, int v) {
   return c.border.distance_along(mesh.X[v], tangent, c.border_cosine(release_angle_share)) < reach;
 }
 
+// At the border even chains that meet in a corner run into each other, when it is the corner that leaves over the
+// border: it ends no chain there.
 bool runs_into_chain(const Conforming& c, int v) {
+  const Mesh& mesh = c.mesh();
   const FeatureId& feature = c.cloth().feature[v];
-  return feature.kind == FeatureKind::Edge && passes_by(c, v, c.mesh().X[v], feature, c.merge(cross_share));
+  if (feature.kind != FeatureKind::Edge) return false;
+  const double reach = c.merge(cross_share);
+  const auto comes_after = [&](int u) {
+    const FeatureId& other = c.cloth().feature[u];
+    return ends_beside(c, u, mesh.X[v], feature, reach) &&
+           std::pair(other.obstacle, other.index) < std::pair(feature.obstacle, feature.index);
+  };
+  if (mesh.is_border_vertex(v)) {
+    const std::vector<int> around = mesh.neighbours(v);
+    if (comes_after(around.front()) || comes_after(around.back())) return true;
+  }
+  return passes_by(c, v, mesh.X[v], feature, reach);
 }
 
 }  // namespace
+
+bool ends_beside(const Conforming& c, int u, const Vec2& P, const FeatureId& feature, double reach) {
+  const FeatureId& other = c.cloth().feature[u];
+  return other.kind == FeatureKind::Edge && !(other == feature) && c.mesh().is_border_vertex(u) &&
+         (c.mesh().X[u] - P).norm() < reach;
+}
 
 bool passes_by(const Conforming& c, int vertex, const Vec2& P, const FeatureId& feature, double reach) {
   const Mesh& mesh = c.mesh();

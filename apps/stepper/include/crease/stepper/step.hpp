@@ -57,6 +57,8 @@ struct Stages {
   std::function<ConstraintRows(const Cloth&, const DofMap&, std::span<const Contact>, std::span<const PosedObstacle>,
                                std::span<const PinState>, const ConstraintOptions&)>
       constrain;
+  /// What the velocities of the cloth lead into within h and `detect` did not foresee; empty: nobody looks.
+  std::function<std::vector<Contact>(const Cloth&, std::span<const PosedObstacle>, double h)> foresee;
   std::function<QpResult(const QpProblem&, std::span<const char> guess)> solve;  ///< empty: H q = f, no QP
 };
 

@@ -53,6 +53,14 @@ class Detector {
   std::vector<Contact> detect(const Cloth& cloth, std::span<const PosedObstacle> obstacles,
                               const DetectOptions& options);
 
+  /// What the cloth's velocities run into within `h`: contacts of the end of the motion that are then deeper inside
+  /// than `depth` [m], told as contacts of its beginning (`distance` is the gap that the motion closes, along the
+  /// normal that the obstacle has turned to at the end; positive unless the cloth was inside before); and sharp edges
+  /// and corners that pass the cloth on the way, wherever the end finds them, with `distance` 0 and as `velocity` that
+  /// which takes the cloth's point to the feature's place at the end. As constraints, all of them cut off this motion.
+  /// Deterministic: first those of the end, then those on the way. Throws as detect().
+  std::vector<Contact> foresee(const Cloth& cloth, std::span<const PosedObstacle> obstacles, double h, double depth);
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
