@@ -101,10 +101,12 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
                         const Cloth& cloth, std::span<const PosedObstacle> obstacles, double h) {
       return detector->detect(cloth, obstacles, {threshold, h, g * h * h});
     };
-    stages.foresee = [detector, depth = foreseen_depth * scene.threshold](
-                         const Cloth& cloth, std::span<const PosedObstacle> obstacles, double h) {
-      return detector->foresee(cloth, obstacles, h, depth);
-    };
+    // A Lagrangian method has other normals than the contacts, and stays what it is compared as.
+    if (scene.contact == ContactMethod::Eol)
+      stages.foresee = [detector, depth = foreseen_depth * scene.threshold](
+                           const Cloth& cloth, std::span<const PosedObstacle> obstacles, double h) {
+        return detector->foresee(cloth, obstacles, h, depth);
+      };
   }
   AdaptOptions adapt_options = spec.adapt;
   adapt_options.threshold = scene.threshold;

@@ -6,6 +6,7 @@
 
 #include "conforming.hpp"
 #include "crease/geometry/distance.hpp"
+#include "crease/geometry/normal_cone.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
@@ -86,6 +87,7 @@ class Merger {
   bool drop_dangling(int v, int q);
   bool absorb_neighbours(int v);
   bool cuts_feature(const Vec3& a, const Vec3& b) const;
+  bool cuts_corner(const std::array<Vec3, 3>& x) const;
   bool cuts_feature(int r, const Target& target) const;
   void judge(Way& way, int r, const Target& target, const Permission& allowed) const;
   Way best_vertex(int r, const Permission& allowed) const;
@@ -199,15 +201,37 @@ bool Merger::cuts_feature(const Vec3& a, const Vec3& b) const {
       const FeatureId feature{o, FeatureKind::Edge, e};
       const WorldEdge edge = world_edge(feature, c_.obstacles);
       const SegmentPair near = closest_segments(a, b, edge.a, edge.a + edge.length * edge.tangent);
-      if (near.distance > c_.merge(1)) continue;
-      if (stand_off(feature, c_.obstacles, (1 - near.s) * a + near.s * b) < -inside_share * c_.options.snap)
-        return true;
+      if (near.distance > c_.merge(1) || near.distance < inside_share * c_.options.snap) continue;
+      if (stand_off(feature, c_.obstacles, (1 - near.s) * a + near.s * b) < 0) return true;
     }
   }
   return false;
 }
 
+// Whether a sharp corner of a solid would stick out of a face of the mesh.
+bool Merger::cuts_corner(const std::array<Vec3, 3>& x) const {
+  const Vec3 across = (x[1] - x[0]).cross(x[2] - x[0]);
+  return std::any_of(c_.obstacles.begin(), c_.obstacles.end(), [&](const PosedObstacle& obstacle) {
+    const auto& corners = obstacle.shape->corners;
+    return !obstacle.shape->triangles.empty() && std::any_of(corners.begin(), corners.end(), [&](const SharpCorner& c) {
+      const Vec3 tip = obstacle.pose.to_world(c.position);
+      const double side = across.dot(obstacle.pose.rotation * mean_normal(c.normals));
+      const Vec3 normal = std::copysign(1.0, side) * across.normalized();
+      for (std::size_t k = 0; k < 3; ++k)
+        if (across.dot((x[(k + 1) % 3] - x[k]).cross(tip - x[k])) < 0) return false;
+      return normal.dot(x[0] - tip) < -inside_share * c_.options.snap &&
+             in_cone(c.normals, obstacle.pose.rotation.transpose() * normal);
+    });
+  });
+}
+
 bool Merger::cuts_feature(int r, const Target& target) const {
+  for (const int h : mesh().outgoing(r)) {
+    const std::array<int, 2> side{mesh().to(h), mesh().opposite(h)};
+    const auto has = [&](int v) { return side[0] == v || side[1] == v; };
+    const bool vanishes = has(target.a) && (target.b == Mesh::none || has(target.b));
+    if (!vanishes && cuts_corner({target.x, mesh().x[side[0]], mesh().x[side[1]]})) return true;
+  }
   const std::vector<int> around = mesh().neighbours(r);
   return std::any_of(around.begin(), around.end(), [&](int s) {
     return s != target.a && s != target.b && mesh().find_edge(target.a, s) == Mesh::none &&
