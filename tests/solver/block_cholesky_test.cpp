@@ -265,6 +265,31 @@ TEST(Multifrontal, AgreesBetweenKernelsToRounding) {
   }
 }
 
+TEST(Multifrontal, GivesTheSameBytesOnAnyNumberOfThreads) {
+  Random random(29);
+  const BlockMatrix matrix = support::random_spd(random, support::grid_graph(45, 45));  // large enough to be shared out
+  const MatX B = random.matrix(matrix.graph.n_unknowns(), 2);
+  std::vector<char> held(static_cast<std::size_t>(B.rows()), 0);
+  for (std::size_t i = 0; i < held.size(); i += 5) held[i] = 1;
+  SparseMatrix bad = matrix.A;
+  bad.coeffRef(0, 0) = -1;
+  MatX one;
+  for (const int threads : {1, 2, 3, 7}) {
+    SCOPED_TRACE(threads);
+    const auto factor = make_block_cholesky({.threads = threads});
+    ASSERT_TRUE(factor->analyze(matrix.graph));
+    EXPECT_FALSE(factor->factorize(bad));
+    ASSERT_TRUE(factor->factorize(matrix.A));
+    MatX both(B.rows(), 4);
+    both.leftCols(2) = factor->forward(B);
+    ASSERT_TRUE(factor->factorize(matrix.A, held));
+    both.rightCols(2) = factor->forward(B);
+    if (one.size() == 0) one = both;
+    EXPECT_EQ(both, one);
+  }
+  EXPECT_THROW(make_block_cholesky({.threads = 0}), std::invalid_argument);
+}
+
 TEST(Multifrontal, RefusesKernelsOfAnotherProcessor) {
   const std::vector<FrontKernelSet> available = available_front_kernels();
   for (const FrontKernelSet kernels : {FrontKernelSet::Generic, FrontKernelSet::Avx2, FrontKernelSet::Avx512}) {

@@ -74,9 +74,11 @@ SparseMatrix make_block_matrix(const BlockGraph& graph) {
 }
 
 std::unique_ptr<BlockCholesky> make_block_cholesky(const CholeskyOptions& options) {
+  require(options.threads >= 1,
+          "make_block_cholesky: expected at least one thread, got " + std::to_string(options.threads));
   switch (options.method) {
     case CholeskyMethod::Multifrontal:
-      return std::make_unique<Multifrontal>(find_front_kernels(options.kernels));
+      return std::make_unique<Multifrontal>(find_front_kernels(options.kernels), options.threads);
     case CholeskyMethod::Cholmod:
       return std::make_unique<CholmodCholesky>();
   }

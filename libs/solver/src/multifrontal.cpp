@@ -4,12 +4,22 @@
 #include <algorithm>
 #include <limits>
 #include <new>
+#include <numeric>
+#include <system_error>
+#include <thread>
 
 #include "block_graph.hpp"
 #include "crease/base/require.hpp"
 #include "ordering.hpp"
 
 namespace crease {
+namespace {
+
+/// Time of a factorisation, in flops of the kernels, from which on it is worth starting threads: about a millisecond,
+/// where starting one takes some 20 microseconds.
+constexpr double least_shared = 4e7;
+
+}  // namespace
 
 bool Multifrontal::analyze(const BlockGraph& graph, std::span<const int> order) try {
   require_valid(graph, order);
@@ -28,7 +38,10 @@ bool Multifrontal::analyze(const BlockGraph& graph, std::span<const int> order) 
       first_child_[parent] = s;
     }
   collect_entries();
+  updates_.resize(1);
+  worker_.assign(tree_.parent.size(), 0);
   lay_out({});
+  if (n_threads_ > 1) share_out();
   return true;
 } catch (const std::bad_alloc&) {
   return false;
@@ -75,7 +88,7 @@ void Multifrontal::lay_out(std::span<const char> held) {
   fronts_.resize(tree_.parent.size());
   border_.clear();
   cost_ = {};
-  std::size_t factor_size = 0, top[2] = {0, 0}, update_size[2] = {0, 0};
+  std::size_t factor_size = 0;
   most_border_panels_ = 0;
   for (int s = 0; s < tree_.size(); ++s) {
     Front& front = fronts_[s];
@@ -87,12 +100,6 @@ void Multifrontal::lay_out(std::span<const char> held) {
     most_border_panels_ = std::max(most_border_panels_, front.shape.border_panels());
     front.factor_at = factor_size;
     factor_size += front.shape.factor_size();
-    // The updates of its children lie on top of the other stack, where they are done with once this one is made.
-    const int parity = depth_[s] % 2;
-    front.update_at = top[parity];
-    top[parity] += front.shape.update_size();
-    update_size[parity] = std::max(update_size[parity], top[parity]);
-    if (first_child_[s] >= 0) top[1 - parity] = fronts_[first_child_[s]].update_at;
     for (int k = 0; k < front.shape.pivots; ++k) {
       const double column = front.shape.pivots - k + front.shape.border;
       cost_.entries += column;
@@ -100,14 +107,46 @@ void Multifrontal::lay_out(std::span<const char> held) {
     }
   }
   factor_.reserve(factor_size);
-  for (int parity : {0, 1}) updates_[parity].reserve(update_size[parity]);
+  place_updates();
+}
+
+/// A node's update is done with once its parent is made, so each stack gives back what lies above the first child.
+void Multifrontal::place_updates() {
+  using Sizes = std::array<std::size_t, 2>;
+  std::vector<Sizes> top(updates_.size(), Sizes{}), most(updates_.size(), Sizes{});
+  for (int s = 0; s < tree_.size(); ++s) {
+    const int worker = worker_[s], parity = depth_[s] % 2;
+    fronts_[s].update_at = top[worker][parity];
+    top[worker][parity] += fronts_[s].shape.update_size();
+    most[worker][parity] = std::max(most[worker][parity], top[worker][parity]);
+    int child = first_child_[s];
+    while (child >= 0 && worker_[child] != worker) child = next_child_[child];  // others keep theirs to the end
+    if (child >= 0) top[worker][1 - parity] = fronts_[child].update_at;
+  }
+  for (std::size_t worker = 0; worker < updates_.size(); ++worker)
+    for (std::size_t parity : {0, 1}) updates_[worker][parity].reserve(most[worker][parity]);
+}
+
+/// By the sizes of the fronts with nothing held, so that it is done once an analysis.
+void Multifrontal::share_out() {
+  std::vector<double> time;
+  for (const Front& front : fronts_) time.push_back(front_time(front.shape));
+  if (std::accumulate(time.begin(), time.end(), 0.0) < least_shared) return;
+  worker_ = share_subtrees(tree_.parent, time, n_threads_);
+  updates_.resize(static_cast<std::size_t>(n_threads_) + 1);
+  place_updates();
 }
 
 /// Fills fronts and factorises them. Where the unknowns of a front stand in it is kept in one table for all.
 class Multifrontal::Assembly {
  public:
+  /// Takes all memory that it will need, for an exception must not leave a thread.
   Assembly(const Multifrontal& owner, const double* values, double lift)
-      : owner_(owner), values_(values), lift_(lift), border_index_(static_cast<std::size_t>(owner.n_free())) {}
+      : owner_(owner), values_(values), lift_(lift), border_index_(static_cast<std::size_t>(owner.n_free())) {
+    child_rows_.resize(FrontShape::panel * static_cast<std::size_t>(owner.most_border_panels_));
+    if (!owner.heights_.empty())
+      rows_.reserve(static_cast<std::size_t>(*std::max_element(owner.heights_.begin(), owner.heights_.end())));
+  }
 
   bool make_front(int s) {
     begin(owner_.fronts_[s]);
@@ -116,7 +155,7 @@ class Multifrontal::Assembly {
     for (int c = owner_.first_child_[s]; c >= 0; c = owner_.next_child_[c])
       add_child(c, owner_.kernels_.add_to_pivots, L_);
     // The update is written over by the product, so the children's shares of it come after.
-    double* U = update_of(s);
+    double* U = owner_.update_of(s);
     if (!owner_.kernels_.factorize(front_->shape, L_, U)) return false;
     for (int c = owner_.first_child_[s]; c >= 0; c = owner_.next_child_[c])
       add_child(c, owner_.kernels_.add_to_update, U);
@@ -128,8 +167,6 @@ class Multifrontal::Assembly {
     int target;            ///< place in a column of L
     std::ptrdiff_t value;  ///< in the first column of the block
   };
-
-  double* update_of(int s) const { return owner_.updates_[owner_.depth_[s] % 2].data() + owner_.fronts_[s].update_at; }
 
   void begin(const Front& front) {
     front_ = &front;
@@ -173,13 +210,12 @@ class Multifrontal::Assembly {
     const Front& child = owner_.fronts_[c];
     const int* border = owner_.border_.data() + child.rows_at;
     const int n = child.shape.border;
-    child_rows_.resize(static_cast<std::size_t>(n));
     int n_pivots = 0;
     for (int i = 0; i < n; ++i) {
       child_rows_[i] = row_of(border[i]);
       n_pivots += is_pivot(border[i]);
     }
-    add(front_->shape, n, n_pivots, child_rows_.data(), update_of(c), target);
+    add(front_->shape, n, n_pivots, child_rows_.data(), owner_.update_of(c), target);
   }
 
   const Multifrontal& owner_;
@@ -197,12 +233,38 @@ bool Multifrontal::factorize(const SparseMatrix& A, std::span<const char> held, 
   factorized_ = false;
   rcond_ = 0;
   lay_out(held);
-  Assembly assembly(*this, A.valuePtr(), lift);
-  for (int s = 0; s < tree_.size(); ++s)
-    if (!assembly.make_front(s)) return false;
+  if (!factorize_fronts(A.valuePtr(), lift)) return false;
   factorized_ = true;
   find_rcond();
   return true;
+}
+
+/// Each front is computed in the same way whoever does it.
+bool Multifrontal::factorize_fronts(const double* values, double lift) {
+  std::vector<Assembly> assembly;
+  assembly.reserve(updates_.size());
+  for (std::size_t worker = 0; worker < updates_.size(); ++worker) assembly.emplace_back(*this, values, lift);
+  std::vector<char> done(updates_.size(), 0);
+  const auto work = [&](std::size_t worker) {
+    for (int s = 0; s < tree_.size(); ++s)
+      if (worker_[s] == static_cast<int>(worker) && !assembly[worker].make_front(s)) return;
+    done[worker] = 1;
+  };
+  const std::size_t last = updates_.size() - 1;
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t worker = 1; worker < last; ++worker) {
+      try {
+        threads.emplace_back(work, worker);
+      } catch (const std::system_error&) {
+        work(worker);  // no more threads to be had
+      }
+    }
+    if (last > 0) work(0);
+  }
+  if (std::count(done.begin(), done.begin() + static_cast<std::ptrdiff_t>(last), 0) > 0) return false;
+  work(last);
+  return done[last] != 0;
 }
 
 void Multifrontal::find_rcond() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -21,7 +22,7 @@ namespace crease {
 /// of a block take part is seen anew by every factorisation.
 class Multifrontal final : public BlockCholesky {
  public:
-  explicit Multifrontal(const FrontKernels& kernels) : kernels_(kernels) {}
+  Multifrontal(const FrontKernels& kernels, int n_threads) : kernels_(kernels), n_threads_(n_threads) {}
 
   bool analyze(const BlockGraph& graph, std::span<const int> order) override;
   const std::vector<int>& order() const override { return order_; }
@@ -37,7 +38,7 @@ class Multifrontal final : public BlockCholesky {
     int first;              ///< of its pivots, among the unknowns that are not held, in order of elimination
     int rows_at;            ///< in border_
     std::size_t factor_at;  ///< in factor_
-    std::size_t update_at;  ///< in the stack of updates of its depth's parity
+    std::size_t update_at;  ///< in its stack of updates
   };
   /// A block of A on or below the diagonal of a block column: whose rows, and where in that column's values.
   struct Entry {
@@ -47,6 +48,14 @@ class Multifrontal final : public BlockCholesky {
 
   void collect_entries();
   void lay_out(std::span<const char> held);
+  /// Updates of one worker's supernodes, by the parity of their depth: those of a node's children lie on top of the one
+  /// stack while its own is put on the other.
+  using Stacks = std::array<AlignedBuffer, 2>;
+
+  void place_updates();
+  void share_out();
+  double* update_of(int s) const { return updates_[worker_[s]][depth_[s] % 2].data() + fronts_[s].update_at; }
+  bool factorize_fronts(const double* values, double lift);
   void find_rcond();
   int n_free() const { return free_at_.back(); }
   void forward_one(double* y) const;
@@ -55,14 +64,16 @@ class Multifrontal final : public BlockCholesky {
   std::vector<char> fill_panels(const Eigen::Ref<const MatX>& B, double* const* rows, Eigen::Ref<MatX> Y) const;
 
   const FrontKernels& kernels_;
+  int n_threads_;
 
   // The analysis.
   BlockGraph graph_;
   std::vector<int> order_;  ///< as given, or of minimum degree; the tree's differs, and would give a third
   SupernodeTree tree_;
   std::vector<int> depth_, first_child_, next_child_;  ///< one a supernode; -1 = none
-  std::vector<int> heights_, values_at_;               ///< one a block: rows of its column of A, its first value
-  std::vector<int> entries_at_;                        ///< one a position
+  std::vector<int> worker_;               ///< one a supernode; the last one begins when the others are done
+  std::vector<int> heights_, values_at_;  ///< one a block: rows of its column of A, its first value
+  std::vector<int> entries_at_;           ///< one a position
   std::vector<Entry> entries_;
 
   // One factorisation.
@@ -72,7 +83,8 @@ class Multifrontal final : public BlockCholesky {
   std::vector<int> place_;    ///< its inverse
   std::vector<Front> fronts_;
   std::vector<int> border_;  ///< the free unknowns below the columns of each front
-  AlignedBuffer factor_, updates_[2];
+  AlignedBuffer factor_;
+  std::vector<Stacks> updates_;  ///< one a worker
   int most_border_panels_ = 0;
   double rcond_ = 0;
   FactorCost cost_;

@@ -3,9 +3,6 @@
 
 #include <numeric>
 #include <utility>
-
-#include "front_kernels.hpp"
-
 namespace crease {
 namespace {
 
@@ -14,12 +11,6 @@ namespace {
 constexpr double flops_a_front = 10000;
 constexpr double flops_an_entry = 12;
 constexpr double flops_an_update = 20;
-
-double front_time(int pivots, int border) {
-  const double p = FrontShape::panel * FrontShape::panels(pivots), b = FrontShape::panel * FrontShape::panels(border);
-  const double product_flops = pivots * (b * b / 2 + p * b / 2 + p * p / 6) * 2;
-  return flops_a_front + flops_an_entry * p * (p + b) + flops_an_update * b * b / 2 + product_flops;
-}
 
 std::vector<int> inverse(const std::vector<int>& order) {
   std::vector<int> position(order.size());
@@ -184,8 +175,8 @@ class Analysis {
         const int c = waiting.back();
         waiting.pop_back();
         const Node& child = nodes_[c];
-        const double apart = front_time(child.pivots, child.border) + front_time(parent.pivots, parent.border);
-        if (front_time(child.pivots + parent.pivots, parent.border) >= apart) continue;
+        const double apart = front_time({child.pivots, child.border}) + front_time({parent.pivots, parent.border});
+        if (front_time({child.pivots + parent.pivots, parent.border}) >= apart) continue;
         parent.pivots += child.pivots;
         merged_into_[c] = p;
       }
@@ -253,6 +244,12 @@ class Analysis {
 };
 
 }  // namespace
+
+double front_time(FrontShape shape) {
+  const double p = FrontShape::panel * shape.column_panels(), b = FrontShape::panel * shape.border_panels();
+  const double product_flops = shape.pivots * (b * b / 2 + p * b / 2 + p * p / 6) * 2;
+  return flops_a_front + flops_an_entry * p * (p + b) + flops_an_update * b * b / 2 + product_flops;
+}
 
 SupernodeTree make_supernode_tree(const BlockGraph& graph, std::span<const int> order) {
   return Analysis(graph, order).run();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "crease/solver/block_cholesky.hpp"
+#include "front_kernels.hpp"
 
 namespace crease {
 
@@ -22,5 +23,14 @@ struct SupernodeTree {
 };
 
 SupernodeTree make_supernode_tree(const BlockGraph& graph, std::span<const int> order);
+
+/// Time that one front takes, in flops of the kernels.
+double front_time(FrontShape shape);
+
+/// Shares subtrees out to `n_parts` workers so that the slowest, and what is left at the top for afterwards, take the
+/// least time.
+/// @param parent  -1 = root; children before their parents
+/// @return        one a node: its worker, or `n_parts` for what is left
+std::vector<int> share_subtrees(const std::vector<int>& parent, const std::vector<double>& time, int n_parts);
 
 }  // namespace crease

@@ -94,7 +94,9 @@ const char* to_string(FrontKernelSet kernels);
 
 struct CholeskyOptions {
   CholeskyMethod method = CholeskyMethod::Multifrontal;
-  FrontKernelSet kernels = FrontKernelSet::Best;  ///< of the multifrontal method; has to be available
+  // Of the multifrontal method:
+  FrontKernelSet kernels = FrontKernelSet::Best;  ///< have to be available
+  int threads = 1;                                ///< >= 1; any number gives the same bytes
 };
 
 std::unique_ptr<BlockCholesky> make_block_cholesky(const CholeskyOptions& options = {});
