@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include <array>
 #include <cmath>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
+#include "crease/collision/detect.hpp"
 #include "crease/geometry/grid.hpp"
 #include "crease/remesh/remesh.hpp"
 
@@ -76,7 +78,33 @@ void pass_after_a_small_motion(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(result = adapt(cloth, options()));
   count(state, result);
 }
-BENCHMARK(pass_after_a_small_motion)->Arg(5)->Arg(10)->Arg(20)->Arg(40)->Unit(benchmark::kMillisecond);
+BENCHMARK(pass_after_a_small_motion)->Arg(5)->Arg(20)->Arg(80)->Arg(160)->Arg(240)->Unit(benchmark::kMillisecond);
+
+// A sheet bent over the edge of a box, with a chain of Eulerian vertices along it.
+void conform_with_nothing_due(benchmark::State& state) {
+  GridOptions grid;
+  grid.size = Vec2(2.1, 2.1);
+  grid.cells = {28, 28};
+  Cloth cloth = make_cloth(make_grid(grid));
+  const ObstacleShape box = make_box(Vec3(2, 4, 1));
+  Pose pose;
+  pose.position = Vec3(1.031, 1.05, -0.5);
+  const std::array<PosedObstacle, 1> obstacles{{{&box, pose}}};
+  for (Vec3& x : cloth.mesh.x)
+    if (const double over = x.x() - 2.031; over > 0) x = Vec3(2.031 + 0.1 * over, x.y(), -0.99 * over);
+  ConformOptions options;
+  options.snap = 2e-3;
+  Detector detector;
+  for (int pass = 0; pass < 5; ++pass)
+    cloth = conform(cloth, detector.detect(cloth, obstacles, {options.snap, 0, 0}), obstacles, options).cloth;
+  const std::vector<Contact> contacts = detector.detect(cloth, obstacles, {options.snap, 0, 0});
+  RemeshResult result;
+  for (auto _ : state) benchmark::DoNotOptimize(result = conform(cloth, contacts, obstacles, options));
+  count(state, result);
+  state.counters["eol"] = result.cloth.n_eol();
+  state.counters["contacts"] = static_cast<double>(contacts.size());
+}
+BENCHMARK(conform_with_nothing_due)->Unit(benchmark::kMillisecond);
 
 void sizes_of_every_vertex(benchmark::State& state) {
   const Cloth cloth = sheet(0.5);

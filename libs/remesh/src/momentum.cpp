@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <ranges>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -179,11 +178,13 @@ MatN3 Payers::settle_linear(const Debt& debt) const {
 
 // With X = sum x_i and W = sum w_i over the corners, a face adds the integrals A W / 3, A (X x W + sum x_i x w_i) / 12
 // and A (|W|^2 + sum |w_i|^2) / 24.
-template <typename Faces>
-Account sum_over(Faces faces, const Cloth& cloth, const Frame& frame) {
+template <typename FaceAt>
+Account sum_over(int n, FaceAt face_at, const Cloth& cloth, const Frame& frame) {
   const Mesh& mesh = cloth.mesh;
   Account sum;
-  for (const int f : faces) {
+  for (int place = 0; place < n; ++place) {
+    const int f = face_at(place);
+    if (!mesh.face_live(f)) continue;
     const auto& [i, j, k] = mesh.face(f);
     const double area = 0.5 * cross2(mesh.X[j] - mesh.X[i], mesh.X[k] - mesh.X[i]);
     Vec3 w0 = cloth.v[i], w1 = cloth.v[j], w2 = cloth.v[k];
@@ -206,17 +207,20 @@ Account sum_over(Faces faces, const Cloth& cloth, const Frame& frame) {
 }  // namespace
 
 Account account(const Cloth& cloth, std::span<const int> faces, const Frame& frame) {
-  return sum_over(faces, cloth, frame);
+  const auto face_at = [&](int i) { return faces[static_cast<std::size_t>(i)]; };
+  return sum_over(static_cast<int>(faces.size()), face_at, cloth, frame);
 }
 
 // Seen from a vertex, so that a cloth far away or in fast flight loses no digits; then from the centre of mass.
 Motion motion(const Cloth& cloth) {
-  auto faces =
-      std::views::iota(0, cloth.mesh.face_slots()) | std::views::filter([&](int f) { return cloth.mesh.face_live(f); });
-  if (faces.empty()) return {};
-  const int some = cloth.mesh.face(faces.front())[0];
+  const int n = cloth.mesh.face_slots();
+  int first = 0;
+  while (first < n && !cloth.mesh.face_live(first)) ++first;
+  if (first == n) return {};
+  const int some = cloth.mesh.face(first)[0];
   const Frame frame{cloth.mesh.x[some], cloth.v[some]};
-  const Account seen = sum_over(faces, cloth, frame);
+  const Account seen = sum_over(
+      n, [](int f) { return f; }, cloth, frame);
   Motion result;
   result.area = seen.area;
   result.centre = frame.origin + seen.moment / seen.area;
