@@ -43,6 +43,8 @@ inline constexpr double begin_share = 0.25;
 inline constexpr double link_share = 0.45;
 /// An EOL vertex farther than this from its feature has left it.
 inline constexpr double leave_share = 2;
+/// A feature stands back from one of an earlier obstacle within this; and, once its chain has begun, within less.
+inline constexpr double aside_insert_share = 0.5, aside_share = 0.25;
 // -- share of the border angle
 // ------------------------------------------------------------------------------------------
 /// A chain that meets the border at less than this share of the angle is released.

@@ -9,6 +9,11 @@
 
 namespace crease {
 
+namespace {
+// Edges nearer to parallel than this are in one line: sine of 2 degrees, as for contacts.
+constexpr double parallel_sine = 0.0349;
+}  // namespace
+
 bool exists(const FeatureId& feature, Obstacles obstacles) {
   if (feature.kind == FeatureKind::None || feature.obstacle < 0 || feature.index < 0) return false;
   if (feature.obstacle >= static_cast<int>(obstacles.size())) return false;
@@ -46,6 +51,26 @@ bool gives_way(const FeatureId& edge, const FeatureId& other, Obstacles obstacle
     if (corner >= 0 && (corner == edges[other.index].corners[0] || corner == edges[other.index].corners[1]))
       return false;
   return true;
+}
+
+bool stands_back(const FeatureId& feature, Obstacles obstacles, const Vec3& x, double reach) {
+  const auto has_near = [&](int o, FeatureKind kind, std::size_t n, auto&& fits) {
+    for (int i = 0; i < static_cast<int>(n); ++i)
+      if (const FeatureId other{o, kind, i}; (nearest_on(other, obstacles, x) - x).norm() <= reach && fits(other))
+        return true;
+    return false;
+  };
+  const auto runs_along = [&](const FeatureId& other) {
+    if (feature.kind != FeatureKind::Edge) return true;
+    return world_edge(other, obstacles).tangent.cross(world_edge(feature, obstacles).tangent).norm() < parallel_sine;
+  };
+  const auto is_corner = [&](const FeatureId&) { return feature.kind == FeatureKind::Corner; };
+  for (int o = 0; o < feature.obstacle; ++o) {
+    const ObstacleShape& shape = *obstacles[o].shape;
+    if (has_near(o, FeatureKind::Edge, shape.edges.size(), runs_along)) return true;
+    if (has_near(o, FeatureKind::Corner, shape.corners.size(), is_corner)) return true;
+  }
+  return false;
 }
 
 Vec2 pull_back(const Mat32& F, const Vec3& d) {

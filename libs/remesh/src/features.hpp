@@ -24,6 +24,12 @@ Vec3 velocity_at(const FeatureId& feature, Obstacles obstacles, const Vec3& x);
 /// Whether an edge's chain makes way where it crosses the other's: the later one does, unless they meet in a corner.
 bool gives_way(const FeatureId& edge, const FeatureId& other, Obstacles obstacles);
 
+/// Whether at x, on the feature, an earlier obstacle has one in the same place, within `reach`: an edge along an edge,
+/// an edge or a corner at a corner. A vertex can ride on one of them only, and two chains in one line would have no
+/// room between them: the later obstacle's feature stands back, and its contacts with the faces and edges there keep
+/// the cloth out of it.
+bool stands_back(const FeatureId& feature, Obstacles obstacles, const Vec3& x, double reach);
+
 /// Unit material direction whose image under F is nearest to the world direction d.
 Vec2 pull_back(const Mat32& F, const Vec3& d);
 

@@ -86,7 +86,8 @@ double adopt_reach(const Conforming& c, int h) {
 // The sign of the gap tells in from out: what is inside has to come out, what is outside has to arrive first.
 bool wanted(const Conforming& c, const Contact& contact, FeatureKind kind) {
   return contact.feature.kind == kind && contact.distance <= begin_share * c.options.snap &&
-         contact.distance >= -c.options.snap && exists(contact.feature, c.obstacles);
+         contact.distance >= -c.options.snap && exists(contact.feature, c.obstacles) &&
+         !stands_back(contact.feature, c.obstacles, contact.point, aside_insert_share * c.options.snap);
 }
 
 // Border ends first, since inner edges cannot move them; then the nearest ends, so that vertices move least.
@@ -195,14 +196,22 @@ int split_at(Conforming& c, int face, const SurfacePoint& point) {
   return c.mesh().can_split_face(face, b) ? c.editor.split_face(face, b).vertex : Mesh::none;
 }
 
+// Whether a vertex rides on the corner already, of the same layer of cloth: one that hovers may stand in another face
+// than the one over the tip, and two that ride on one point have no room between them.
+bool has_rider(const Conforming& c, const FeatureId& corner, const Vec2& P) {
+  for (int v = 0; v < c.mesh().vertex_slots(); ++v)
+    if (c.mesh().vertex_live(v) && c.cloth().feature[v] == corner && (c.mesh().X[v] - P).norm() < c.options.merge)
+      return true;
+  return false;
+}
+
 void insert_corner(Conforming& c, const Contact& contact) {
   Vec2 P = Vec2::Zero();
   for (int k = 0; k < 3; ++k) P += contact.weights[k] * c.mesh().X[contact.vertices[k]];
   const int face = face_with(c.mesh(), contact, P);
   if (face == Mesh::none) return;
+  if (has_rider(c, contact.feature, P)) return;
   const std::array<int, 3> corners = c.mesh().face(face);
-  for (const int v : corners)
-    if (c.cloth().feature[v] == contact.feature) return;
   const Vec3 b = barycentric(material_corners(c.mesh(), face), P).cwiseMax(0.0);
   SurfacePoint point{P, Vec3::Zero(), Vec3::Zero()};
   const std::array<Vec3, 3> w = corner_velocities(c.cloth(), face);

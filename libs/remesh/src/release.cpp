@@ -15,6 +15,7 @@ bool has_left(const Conforming& c, int v) {
   if (!exists(feature, c.obstacles)) return true;
   const double reach = leave_share * c.options.snap;
   const Vec3& x = c.mesh().x[v];
+  if (stands_back(feature, c.obstacles, x, aside_share * c.options.snap)) return true;
   // Past the end of an edge the nearest point is its end, so this covers it too.
   return (x - nearest_on(feature, c.obstacles, x)).norm() > reach;
 }
