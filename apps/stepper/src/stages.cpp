@@ -114,21 +114,22 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
     stages.remesh = [options = adapt_options](const Cloth& cloth, std::span<const Contact>,
                                               std::span<const PosedObstacle> obstacles,
                                               double) { return adapt(cloth, options, obstacles); };
+  const bool is_lagrangian = scene.contact != ContactMethod::Eol && !scene.obstacles.empty();
   if (spec.remeshing == RemeshMethod::Conformal)
     // The way ahead is that of whole steps, also in the parts of one that is retried: less room would defeat the retry.
-    stages.remesh = [options = adapt_options, look_ahead = steps_ahead * scene.time_step](
+    stages.remesh = [options = adapt_options, look_ahead = steps_ahead * scene.time_step, is_lagrangian](
                         const Cloth& cloth, std::span<const Contact> contacts, std::span<const PosedObstacle> obstacles,
                         double) {
       ConformOptions conform_options;
       conform_options.snap = options.threshold;
       conform_options.merge = merge_distance(cloth, options);
       conform_options.look_ahead = look_ahead;
+      conform_options.eulerian = !is_lagrangian;
       conform_options.clearance = clearance_share_of_longest * options.size[1];
       RemeshResult conformed = conform(cloth, contacts, obstacles, conform_options);
       RemeshResult adapted = adapt(conformed.cloth, options, obstacles);
       return chain_passes(std::move(conformed), std::move(adapted));
     };
-  const bool is_lagrangian = scene.contact != ContactMethod::Eol && !scene.obstacles.empty();
   if (is_lagrangian && spec.remeshing == RemeshMethod::Conformal)
     stages.remesh = without_eulerian(std::move(stages.remesh), scene.threshold);
   if (scene.obstacles.empty() && spec.pins.empty()) return stages;

@@ -34,7 +34,7 @@ RemeshResult conform(const Cloth& cloth, std::span<const Contact> contacts, std:
   insert_contacts(c, contacts);
   connect_chains(c);
   merge_near_chains(c);
-  share_velocities(c);
+  if (options.eulerian) share_velocities(c);
   return std::move(c.editor).finish();
 }
 

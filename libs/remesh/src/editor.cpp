@@ -173,8 +173,11 @@ void Editor::ride(int vertex, const FeatureId& feature, const Vec3& point) {
 }
 
 void Editor::share(int vertex, const Vec2& V, const Mat32& F) {
-  cloth_.v[vertex] += F * V;
-  cloth_.V[vertex] += V;
+  if (V.isZero(0)) return;
+  change_star(vertex, [&] {
+    cloth_.v[vertex] += F * V;
+    cloth_.V[vertex] += V;
+  });
 }
 
 void Editor::release(int vertex) {

@@ -14,8 +14,9 @@ namespace crease {
 /// and keeps momentum, and the account of what was done. Vertex ids stay valid until finish().
 ///
 /// Momentum. A split keeps the velocity field, but for one: at an edge that ends in an Eulerian vertex the two faces
-/// disagree about the velocity there, and their mean is taken. Such splits, flips, collapses, releases and moves change
-/// the velocity field: settle() sees to it that they neither lose momentum nor raise the kinetic energy.
+/// disagree about the velocity there, and their mean is taken. Such splits, flips, collapses, moves, and the
+/// beginning and end of a ride change the velocity field: settle() sees to it that they neither lose momentum nor raise
+/// the kinetic energy.
 class Editor {
  public:
   /// @param conserve  false: velocities are interpolated and nothing else, for comparison

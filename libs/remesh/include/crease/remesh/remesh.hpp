@@ -30,6 +30,7 @@ struct ConformOptions {
   double border_angle_deg = 36;  ///< a chain meeting the border at less than this is not begun
   double look_ahead = 0;         ///< what a moving chain would reach in this time is cleared out of its way as well [s]
   double clearance = 0;          ///< ... but nothing farther from it than this [m]
+  bool eulerian = true;          ///< new vertices on features get a material velocity; false for methods without one
 };
 
 enum class RefusalReason {
@@ -95,10 +96,10 @@ std::vector<Mat2> sizing_field(const Cloth& cloth, const AdaptOptions& options);
 /// to the faces wanted; what was refused is reported. Free vertices slide ahead of a chain that comes near.
 ///
 /// A pass moves no point of the surface by more than .15 of `threshold` (neighbours that slide together: a little more)
-/// or .02 of the shortest edge. A split leaves the surface as it is and its velocities too. Flips and collapses keep
-/// linear momentum and never raise the kinetic energy. They keep angular momentum about the centre of mass wherever
-/// some velocity field on the new surface has it at no more energy: a sheet that turns rigidly about its centre and
-/// loses a bulge has none.
+/// or .02 of the shortest edge. A split leaves the surface as it is, and its velocities too but beside a chain. All
+/// keep linear momentum and never raise the kinetic energy. They keep angular momentum about the centre of mass
+/// wherever some velocity field on the new surface has it at no more energy: a sheet that turns rigidly about its
+/// centre and loses a bulge has none.
 /// @param obstacles  whose sharp features must not change sides; without them only the surface's own shape is guarded
 RemeshResult adapt(const Cloth& cloth, const AdaptOptions& options, std::span<const PosedObstacle> obstacles = {});
 
@@ -107,7 +108,7 @@ RemeshResult adapt(const Cloth& cloth, const AdaptOptions& options, std::span<co
 /// EOL vertices that are no longer at home (their feature is gone, they stand at a material corner, or their
 /// chain has come within `merge` of a border that runs along it). A new EOL vertex stays where the surface is, up to a
 /// quarter of `snap` from its feature: the gap is the solver's to close. It takes the world velocity of the cloth
-/// there, as much of it as possible in Xdot (Eq. 13 with the real A_eq).
+/// there, as much of it as possible in Xdot (Eq. 13 with the real A_eq). Momentum and energy are kept as by adapt().
 RemeshResult conform(const Cloth& cloth, std::span<const Contact> contacts, std::span<const PosedObstacle> obstacles,
                      const ConformOptions& options);
 
