@@ -32,9 +32,11 @@ struct Plain {
   DofMap dofs = make_dof_map(cloth);
   ObstacleShape box = make_box({1, 1, 1});
   Pose pose;
+  double wire_clearance = 0;
   ConstraintRows rows(const std::vector<Contact>& contacts, const std::vector<PinState>& pins = {}) const {
     ConstraintOptions options;
     options.h = h;
+    options.wire_clearance = wire_clearance;
     const std::vector<PosedObstacle> obstacles = {{&box, pose}};
     return build_constraints(cloth, dofs, contacts, obstacles, pins, options);
   }
@@ -96,6 +98,17 @@ TEST(ContactRows, GapEntersSignedAndBounded) {
   for (const double gap : {5e-3, 1e-5, 0.0, -1e-5, -6e-4, -1.0}) {
     const ConstraintRows rows = plain.rows({vertex_face(5, Vec3::UnitZ(), gap)});
     EXPECT_NEAR(rows.b_in[0], std::min(-gap / h, push_out_speed), round_off) << "gap " << gap;
+  }
+}
+
+TEST(ContactRows, KeepClearOfAWire) {
+  Plain plain;
+  plain.box = make_wire({Vec3(-1, 0, 0), Vec3(1, 0, 0)});
+  plain.wire_clearance = 1e-4;
+  for (const double gap : {3e-4, 1e-4, 4e-5}) {
+    const ConstraintRows rows = plain.rows({vertex_face(5, Vec3::UnitZ(), gap)});
+    ASSERT_EQ(rows.b_in.size(), 1);
+    EXPECT_NEAR(rows.b_in[0], (1e-4 - gap) / h, round_off) << gap;  // at the end of the step the gap is 1e-4
   }
 }
 

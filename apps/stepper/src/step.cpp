@@ -25,6 +25,9 @@ constexpr double min_area_share = 0.7;
 
 /// Solutions of one step, each with the contacts that the one before ran into.
 constexpr int max_passes = 4;
+/// ConstraintOptions::wire_clearance as a share of the contact threshold: above what a step's straight path misses of
+/// the fold's turn, below the gap at which a vertex begins to ride on the wire.
+constexpr double wire_clearance_share = 0.1;
 
 class Stopwatch {
  public:
@@ -306,6 +309,7 @@ void SheetStepper::Impl::constrain(Work& work) {
   ConstraintOptions options;
   options.h = work.h;
   options.push_out_speed = settings.push_out_speed;
+  options.wire_clearance = wire_clearance_share * settings.threshold;
   work.rows = stages.constrain(work.cloth, work.dofs, work.contacts, work.posed, pins, options);
   work.report.times.constrain += work.watch.lap();
 }

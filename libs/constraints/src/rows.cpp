@@ -138,7 +138,9 @@ void Builder::add_contact(const Contact& contact) {
           "build_constraints: expected contacts with the given obstacles");
   const Vec3 normal = obstacles[feature.obstacle].pose.turned(contact.normal, options.h);
   const RowInfo info{.kind = RowKind::Contact, .vertex = terms[0].vertex, .feature = feature, .normal = normal};
-  add_inequality(info, terms, normal.dot(contact.velocity) + gap_velocity(contact.distance, options));
+  const bool on_wire = obstacles[feature.obstacle].shape->kind == ObstacleShape::Kind::Wire;
+  const double gap = contact.distance - (on_wire ? options.wire_clearance : 0.0);
+  add_inequality(info, terms, normal.dot(contact.velocity) + gap_velocity(gap, options));
 }
 
 void Builder::add_inequality(const RowInfo& info, std::span<const Term> terms, double bound) {

@@ -48,6 +48,9 @@ struct PinState {
 struct ConstraintOptions {
   double h = 0;                 ///< time step [s], > 0
   double push_out_speed = 0.1;  ///< at which a penetration, or an EOL vertex off its place, is led back at most [m/s]
+  /// Distance that a sheet keeps from a wire it only touches: a wire has no inside, so that the next step knows the
+  /// side by nothing else [m].
+  double wire_clearance = 0;
 };
 
 /// Algorithm 2 of the paper with signs from the obstacle, border rule, Lagrangian contacts, pins, right-hand sides with
