@@ -384,7 +384,8 @@ StepResult SheetStepper::step(const Cloth& cloth, std::span<const Obstacle> obst
   impl_->detect(work);
   impl_->remesh(work);
   const bool done = impl_->assemble(work) && impl_->constrain_and_solve(work) && impl_->integrate(work, obstacles);
-  return {done ? std::move(work.cloth) : cloth, std::move(work.report)};
+  if (!done) return {cloth, std::move(work.report)};
+  return {std::move(work.cloth), std::move(work.report)};
 }
 
 }  // namespace crease

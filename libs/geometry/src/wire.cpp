@@ -94,7 +94,7 @@ Vec3 wire_normal(const Cloth& cloth, int vertex, const Vec3& tangent) {
 
 Vec3 support_normal(const Cloth& cloth, int vertex, const Vec3& tangent, std::span<const Vec3> normals) {
   const FoldSides fold = fold_sides(cloth.mesh, vertex, tangent);
-  const Vec3 mean = mean_normal(normals);
+  Vec3 mean = mean_normal(normals);
   const Vec3 normal = unit_across(fold.outward.norm() <= fold.normal.norm() ? fold.normal : fold.outward, tangent);
   if (normal.isZero()) return mean;
   return nearest_in_cone(normals, normal.dot(mean) < 0 ? Vec3(-normal) : normal);
