@@ -36,8 +36,8 @@ Ran run(const std::filesystem::path& file, std::vector<std::pair<std::string, st
   const RunResult result = run_scene(load_scene(file, changes), options);
   EXPECT_EQ(result.status, RunStatus::Done) << result.message;
   Ran ran{testing::read_frames(options.directory)};
-  for (const double depth : testing::read_steps(options.directory).at("max_penetration"))
-    ran.deepest = std::max(ran.deepest, depth);
+  const auto steps = testing::read_steps(options.directory);
+  for (const double depth : steps.at("max_penetration")) ran.deepest = std::max(ran.deepest, depth);
   std::filesystem::remove_all(options.directory);
   return ran;
 }
