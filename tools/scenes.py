@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Runs the shipped scenes and writes docs/scenes.md: one row a scene, with a picture.
+
+  tools/scenes.py                    every scene, runs in out/scenes
+  tools/scenes.py --only edge,wire   these; the other rows are made from the runs that are there
+  tools/scenes.py --no-run           page and pictures from the runs that are there
+"""
+import argparse
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "scenes.md"
+IMAGES = ROOT / "docs" / "images" / "scenes"
+
+# Largest number of faces, largest share of EOL vertices [%], ms a step: Weidner et al. 2018, Table 1 (one core of an
+# i7-7700, a commercial QP solver).
+PAPER = {
+    "edge_regular": (2116, None, 436.2), "edge_irregular": (2000, None, 589.2), "edge_adaptive": (2521, None, 638.9),
+    "edge_conformal": (2622, None, 729.6), "edge": (2971, 2.4, 1101.0), "wire_regular": (1936, None, 827.2),
+    "wire_irregular": (2055, None, 896.5), "wire_adaptive": (2048, None, 1028.7),
+    "wire_conformal": (2022, None, 728.3), "wire": (2048, 2.4, 1058.7), "nails": (2012, 1.9, 804.2),
+    "jaws": (3380, 0.3, 503.9), "push": (2110, 3.1, 454.9), "throw": (1913, 3.9, 568.4),
+    "lo_res_regular": (256, None, 18.1), "lo_res": (133, 6.0, 16.3),
+}  # fmt: skip
+
+# What one sees in the frames, each looked at.
+SEEN = {
+    "drape_corner": "The sheet bends sharply at both edges and in their corner, the cone between them falls in one fold, and rests.",
+    "edge": "A dead-sharp bend on the edge from end to end; the overhang shortens at the pull speed until the border is over.",
+    "edge_regular": "Mesh lines do not lie on the edge: the sheet cuts it, and rises behind it as it is pulled.",
+    "edge_irregular": "As edge_regular, with a crumpled bend.",
+    "edge_adaptive": "Finer, and still lifted off the edge when pulled.",
+    "edge_conformal": "Sharp at rest; pulled, the averaged normal lifts it off.",
+    "edge_conformal_cone": "Sharp, and locked: the overhang stays, the sheet is drawn into wrinkles between edge and hands.",
+    "wire": "Folds to 180 degrees on the wire and slides freely to both sides.",
+    "wire_regular": "Folds along a mesh line, until that row of vertices passes the wire: the sheet falls off it.",
+    "wire_irregular": "Rounds the wire, for want of a sharp bend, and does not slide: it bulges.",
+    "wire_conformal": "A row of vertices on the wire passes it with the first sliding: the sheet falls off.",
+    "wire_adaptive": "As wire_regular, sooner.",
+    "nails": "Sixteen tents; the sheet is drawn over them without a snag, and swings free.",
+    "jaws": "Three tents up and two down, then the sheet is drawn out between them.",
+    "push": "A table with sharp edges and corners travels under the sheet; it lifts off when the box drops.",
+    "throw": "Thrown up, in flight, and caught again by the edges and corners of the box.",
+    "prism": "A sharp bend at each of the ridges of 20 to 150 degrees, none on the smooth ones.",
+    "tablecloth": "Drapes over edges and corners, is pulled off by one side and swings free.",
+    "lo_res": "The same bend with a tenth of the faces.",
+    "lo_res_regular": "The bend is lost between the mesh lines.",
+}  # fmt: skip
+
+HEAD = """# Scenes
+
+Every scene that ships, run to its end; made by `tools/scenes.py`. Faces and share of EOL vertices: the largest of the
+run. The paper's: Table 1 of Weidner et al. 2018 [WEIDNER18] (i7-7700, a commercial QP solver). Deepest: of the cloth in
+an obstacle, on a lattice inside the triangles too, as a share of the cloth's longer side. Inserted, released: EOL
+vertices begun and let go in the run. Retried: parts of steps that were taken again, shorter. Gained: the most kinetic
+energy that remeshing added in a step, as a share of what there was. Times are of one of two virtual cores, both at work.
+
+| scene | ended | faces | EOL % | paper: faces, EOL % | ms a step | paper | solve, remesh, assemble % | deepest % | inserted | released | retried | gained |
+|---|---|---|---|---|---|---|---|---|---|---|---|---|
+"""
+
+
+def longest_side(scene):
+    grid = scene["cloths"][0]["shape"].get("grid")
+    return max(grid["size"]) if grid else 1.0
+
+
+def measure(run):
+    summary = json.loads((run / "summary.json").read_text())
+    scene = json.loads((run / "scene.json").read_text())
+    with open(run / "steps.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    column = lambda name: [float(row[name]) for row in rows]
+    shares = [100 * e / v for e, v in zip(column("eol_vertices"), column("vertices"))]
+    worst = summary.get("worst_penetration") or {"value": 0}
+    return {
+        "ended": "yes" if summary["finished"] else summary["why"],
+        "faces": int(max(column("faces"))),
+        "eol": max(shares),
+        "ms": summary["ms_per_step"],
+        "shares": [100 * summary["stages"].get(key, {"share": 0})["share"] for key in ("solve", "remesh", "assemble")],
+        "deepest": 100 * (worst["value"] or 0) / longest_side(scene),
+        "inserted": int(sum(column("inserted"))),
+        "released": int(sum(column("released"))),
+        "retries": summary["retries"],
+        "gained": max((after - before) / max(before, 1e-9) for before, after in
+                      zip(column("kinetic_energy_before_remesh"), column("kinetic_energy_after_remesh"))),
+        "description": scene.get("description", ""),
+    }
+
+
+def row(name, m):
+    faces, eol, ms = PAPER.get(name, (None, None, None))
+    shown = lambda value: "-" if value is None else f"{value:g}"
+    return (f"| {name} | {m['ended']} | {m['faces']} | {m['eol']:.1f} | {shown(faces)}, {shown(eol)} | {m['ms']:.0f} | "
+            f"{shown(ms)} | {', '.join(f'{share:.0f}' for share in m['shares'])} | {m['deepest']:.3f} | "
+            f"{m['inserted']} | {m['released']} | {m['retries']} | {m['gained']:.0e} |\n")  # fmt: skip
+
+
+def picture(run, name):
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    command = [sys.executable, ROOT / "tools" / "render.py", run, "--strip", "4", "--columns", "4", "--size", "320x260"]
+    subprocess.run([*map(str, command), "-o", str(run / "png")], check=True, stdout=subprocess.DEVNULL)
+    (run / "png" / "strip.png").replace(IMAGES / f"{name}.png")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out" / "scenes")
+    parser.add_argument("--program", type=pathlib.Path, default=ROOT / "crease")
+    parser.add_argument("--only", default="")
+    parser.add_argument("--no-run", action="store_true")
+    options = parser.parse_args()
+    names = sorted(path.stem for path in (ROOT / "scenes").glob("*.json"))
+    chosen = options.only.split(",") if options.only else names
+    for name in [] if options.no_run else chosen:
+        print(name, flush=True)
+        subprocess.run([str(options.program), "run", name, "-o", str(options.out / name), "--force", "--quiet"])
+    table, pictures = "", ""
+    for name in names:
+        run = options.out / name
+        if not (run / "summary.json").exists():
+            table += f"| {name} | not run | | | | | | | | | | | |\n"
+            continue
+        measured = measure(run)
+        table += row(name, measured)
+        if name in chosen:
+            picture(run, name)
+        pictures += f"\n## {name}\n\n{measured['description']}. {SEEN.get(name, '')}\n\n![{name}](images/scenes/{name}.png)\n"
+    PAGE.write_text(HEAD + table + pictures)
+
+
+if __name__ == "__main__":
+    main()
