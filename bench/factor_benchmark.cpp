@@ -14,16 +14,10 @@
 
 #include "crease/dynamics/assemble.hpp"
 #include "crease/geometry/grid.hpp"
-#include "crease/solver/block_cholesky.hpp"
+#include "measure.hpp"
 
 namespace crease {
 namespace {
-
-double seconds_of(clockid_t clock) {
-  timespec t{};
-  clock_gettime(clock, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 struct Timed {
   std::string name;
@@ -58,22 +52,6 @@ struct Problem {
   std::vector<char> held;  ///< contacts of the third on the table, material motion along the edge
   int n_faces = 0, n_eol = 0, n_held = 0;
 };
-
-BlockGraph graph_of(const SparseMatrix& H, const std::vector<int>& starts) {
-  BlockGraph graph;
-  graph.starts = starts;
-  std::vector<int> block_of(static_cast<std::size_t>(H.rows()));
-  for (int k = 0; k < graph.n_blocks(); ++k)
-    std::fill(block_of.begin() + starts[k], block_of.begin() + starts[k + 1], k);
-  for (int k = 0; k < graph.n_blocks(); ++k) {
-    for (SparseMatrix::InnerIterator entry(H, starts[k]); entry; ++entry)
-      if (const int other = block_of[entry.row()];
-          static_cast<int>(graph.inner.size()) == graph.outer.back() || graph.inner.back() != other)
-        graph.inner.push_back(other);
-    graph.outer.push_back(static_cast<int>(graph.inner.size()));
-  }
-  return graph;
-}
 
 Problem make_problem(int cells) {
   GridOptions grid;

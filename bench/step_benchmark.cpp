@@ -13,26 +13,20 @@
 #include <vector>
 
 #include "crease/geometry/dof_map.hpp"
-#include "crease/solver/block_cholesky.hpp"
 #include "crease/stepper/run.hpp"
+#include "measure.hpp"
 
 namespace crease {
 namespace {
 
 constexpr int ipopt_every = 50;
 
-double thread_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 /// Processor time of one call.
 template <class Call>
 auto timed(double& seconds, Call&& call) {
-  const double start = thread_seconds();
+  const double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
   auto result = call();
-  seconds += thread_seconds() - start;
+  seconds += seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
   return result;
 }
 
@@ -61,7 +55,7 @@ class Measurement {
   void factor_and_solve(const QpProblem& problem);
 
   StepTimes now_;
-  double last_ = thread_seconds();
+  double last_ = seconds_of(CLOCK_THREAD_CPUTIME_ID);
   double worst_residual_ = 0;
   int n_programs_ = 0, most_faces_ = 0;
   std::vector<StepTimes> steps_;
@@ -70,26 +64,10 @@ class Measurement {
   std::unique_ptr<BlockCholesky> cholmod_ = make_block_cholesky({CholeskyMethod::Cholmod, FrontKernelSet::Best});
 };
 
-BlockGraph graph_of(const QpProblem& problem) {
-  BlockGraph graph;
-  graph.starts = problem.blocks;
-  std::vector<int> block_of(static_cast<std::size_t>(problem.H.rows()));
-  for (int k = 0; k < graph.n_blocks(); ++k)
-    std::fill(block_of.begin() + graph.starts[k], block_of.begin() + graph.starts[k + 1], k);
-  for (int k = 0; k < graph.n_blocks(); ++k) {
-    for (SparseMatrix::InnerIterator entry(problem.H, graph.starts[k]); entry; ++entry)
-      if (const int other = block_of[entry.row()];
-          static_cast<int>(graph.inner.size()) == graph.outer.back() || graph.inner.back() != other)
-        graph.inner.push_back(other);
-    graph.outer.push_back(static_cast<int>(graph.inner.size()));
-  }
-  return graph;
-}
-
 /// The floor: numbers only, the analysis is not counted. Held unknowns do not change the pattern, so none are held; the
 /// lift makes the undecided unknowns of flat cloth regular.
 void Measurement::factor_and_solve(const QpProblem& problem) {
-  const BlockGraph graph = graph_of(problem);
+  const BlockGraph graph = graph_of(problem.H, problem.blocks);
   const double lift = 1e-6 * problem.H.diagonal().maxCoeff();
   const MatX b = problem.f;
   for (const auto& [factor, seconds] : {std::pair{own_.get(), &now_.own}, std::pair{cholmod_.get(), &now_.cholmod}}) {
@@ -140,11 +118,11 @@ Stages Measurement::wrap(const Scene& scene, const ClothSpec& spec) {
 }
 
 void Measurement::end_step(const RunProgress& progress) {
-  const double time = thread_seconds();
+  const double time = seconds_of(CLOCK_THREAD_CPUTIME_ID);
   now_.whole = time - last_ - now_.aside;
   steps_.push_back(std::exchange(now_, {}));
   most_faces_ = std::max(most_faces_, progress.faces);
-  last_ = thread_seconds();
+  last_ = seconds_of(CLOCK_THREAD_CPUTIME_ID);
 }
 
 void Measurement::report(const std::string& scene) const {
