@@ -26,6 +26,13 @@ void stop_on_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+// A file that may not grow any further is trouble like a full disk, and progress that nobody reads any more none at
+// all: the write fails with a reason, instead of the program with a signal.
+void fail_writes_without_signals() {
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
 // Standard output may be a full disk or a closed pipe; a result that nobody got is not success.
 int printed() {
   if (std::cout.flush()) return ExitDone;
@@ -35,6 +42,7 @@ int printed() {
 
 int run(const Arguments& arguments) {
   stop_on_signals();
+  fail_writes_without_signals();
   const LoadedScene loaded = load_scene(find_scene(arguments.scene), arguments.overrides);
   RunOptions options;
   options.directory = arguments.output;

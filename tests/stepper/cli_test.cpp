@@ -218,6 +218,20 @@ TEST_F(Cli, AClosedStandardErrorIsNoResultFile) {
   EXPECT_EQ(text("fd.txt"), "/dev/null\n");
 }
 
+// Both ended the program by a signal, without a word and without a summary.
+TEST_F(Cli, ALimitOnFileSizesIsFileTroubleAndUnreadProgressIsNone) {
+  folder_.write("scene.json", short_scene);
+  const Outcome limited = crease("run scene.json -o limited", "ulimit -f 1 &&");  // 512 or 1024 bytes
+  EXPECT_EQ(limited.status, 3);
+  EXPECT_NE(limited.err.find("File too large"), std::string::npos) << limited.err;
+  const std::string unread =
+      "cd '" + folder_.path().string() +
+      "' && mkfifo pipe && { sleep 60 <pipe & } && exec 3>pipe && kill $! && wait $!; '" CREASE_PROGRAM
+      "' run scene.json -o unread 2>&3";
+  EXPECT_EQ(WEXITSTATUS(std::system(unread.c_str())), 0);
+  EXPECT_TRUE(exists("unread/summary.json"));
+}
+
 // The signal comes when the first rows are there, however long the program takes to get going.
 TEST_F(Cli, SignalEndsTheRunAfterAStepAndResumeFinishesIt) {
   folder_.write("scene.json", with(short_scene, "0.015", "1000"));

@@ -239,6 +239,12 @@ TEST_F(SceneIo, EolContactNeedsConformalMeshes) {
   EXPECT_NO_THROW(load(adaptive, {{"obstacles", "[]"}}));
 }
 
+TEST_F(SceneIo, OneMistakeIsOneProblem) {
+  // A grid gets its placement by default: nothing that the scene says.
+  const std::string both = with(smallest_scene, "{\"grid\": {}}", "{\"grid\": {}, \"mesh\": \"cloth.obj\"}");
+  EXPECT_EQ(pointers(problems(both)), std::vector<std::string>{"/cloths/0/shape"});
+}
+
 TEST_F(SceneIo, MeshTroubleStandsAtTheMesh) {
   const std::string text = with(smallest_scene, "{\"grid\": {}}", "{\"mesh\": \"cloth.obj\"}");
   const std::string square =

@@ -11,6 +11,16 @@
 namespace crease {
 namespace {
 
+TEST_F(SceneIo, NamesGivenByDefaultAreNamesOfNothingElse) {
+  const LoadedScene loaded =
+      load(with(smallest_scene, "\"material\": {}}]",
+                "\"material\": {}, \"name\": \"cloth1\"}, {\"shape\": {\"grid\": {}}, \"material\": {}},"
+                " {\"shape\": {\"grid\": {}}, \"material\": {}}]"));
+  std::vector<std::string> names;
+  for (const ClothSpec& cloth : loaded.scene.cloths) names.push_back(cloth.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"cloth1", "cloth3", "cloth2"}));
+}
+
 TEST_F(SceneIo, FillsTheDefaultsOfTheSmallestScene) {
   const Scene scene = load(smallest_scene).scene;
   EXPECT_EQ(scene.time_step, 0.005);

@@ -39,7 +39,7 @@ void check_names(const Json& filled, const char* list, ProblemList& problems) {
 
 void check_placement(const ClothSpec& cloth, const Json& json, const std::string& pointer, ProblemList& problems) {
   if (!std::holds_alternative<GridOptions>(cloth.shape)) {
-    if (json.contains("placement"))
+    if (json.contains("placement") && !problems.at(pointer + "/shape"))  // which says what is wrong already
       problems.add(pointer + "/placement", "only a grid is placed; a mesh file holds its own world positions");
     return;
   }

@@ -210,9 +210,17 @@ void fill_dependent_defaults(Json& document) {
   const auto name_all = [&](const char* list, const std::string& name) {
     if (!document.is_object() || !document.contains(list) || !document[list].is_array()) return;
     Json& items = document[list];
-    for (size_t i = 0; i < items.size(); ++i)
-      if (items[i].is_object() && !items[i].contains("name"))
-        items[i]["name"] = items.size() == 1 ? name : name + std::to_string(i);
+    const auto is_taken = [&](const std::string& wanted) {
+      return std::any_of(items.begin(), items.end(), [&](const Json& item) {
+        return item.is_object() && item.contains("name") && item["name"] == wanted;
+      });
+    };
+    for (size_t i = 0; i < items.size(); ++i) {
+      if (!items[i].is_object() || items[i].contains("name")) continue;
+      std::string free = items.size() == 1 ? name : name + std::to_string(i);
+      for (size_t number = items.size(); is_taken(free); ++number) free = name + std::to_string(number);
+      items[i]["name"] = free;
+    }
   };
   name_all("cloths", "cloth");
   name_all("obstacles", "obstacle");
