@@ -62,7 +62,6 @@ SearchStatus WorkingSetSearch::exchange_blocks(WorkingSet& set, ReducedPoint& po
     }
     for (const int item : flips) state(set, item) ^= 1;
   }
-  used_backup_ = true;
   return ascend_dual(set, point);
 }
 

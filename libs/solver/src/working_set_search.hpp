@@ -23,8 +23,6 @@ class WorkingSetSearch {
   SearchStatus run(const Anchor& anchor, WorkingSet& set, ReducedPoint& point);
 
   int iterations() const { return iterations_; }
-  /// Whether block exchanges alone did not settle it.
-  bool used_backup() const { return used_backup_; }
   /// H u - f - rows^T lambda.
   VecX gradient(const ReducedPoint& point) const;
 
@@ -50,7 +48,6 @@ class WorkingSetSearch {
   KktSystem& kkt_;
   Anchor anchor_;
   int max_iterations_, iterations_ = 0, single_iterations_ = 0;
-  bool used_backup_ = false;
 };
 
 }  // namespace crease
