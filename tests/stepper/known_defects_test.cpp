@@ -3,7 +3,8 @@
 #include "support/scene_text.hpp"
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
+#include <span>
 
 #include <gtest/gtest.h>
 
@@ -204,9 +205,15 @@ TEST(KnownDefect, AFoldOfExactlyHalfATurnIsFinite) {
 
 // Edges were looked up by a number that overflows near 5e4 faces, vertices by comparing all with all, and places face
 // by face. Sixteen times the faces may cost four times sixteen at most, where quadratic work costs sixteen times
-// sixteen.
+// sixteen. In time of the processor, so that what else the machine does is not judged; without the solver, which has
+// an order of its own.
 TEST(KnownDefect, WorkGrowsWithTheFaces) {
-  const auto seconds = [](int cells) {
+  const auto clock = [] {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  };
+  const auto seconds = [&](int cells) {
     Scene scene;
     Obstacle box{.name = "box", .shape = make_box({1, 3, 1}), .start = {}, .motion = {}};
     box.start.position = {1, 0.5, -0.5001};
@@ -215,13 +222,22 @@ TEST(KnownDefect, WorkGrowsWithTheFaces) {
     spec.remeshing = RemeshMethod::Conformal;
     spec.adapt.size = {0.5 / cells, 2.0 / cells};
     const Cloth cloth = make_cloth(make_grid({.size = {1, 1}, .cells = {cells, cells}}));
-    SheetStepper stepper({.material = spec.material, .dynamics = {}, .pins = {}}, make_stages(scene, spec));
+    Stages stages = make_stages(scene, spec);
+    double solving = 0;
+    stages.solve = [&, solve = stages.solve](const QpProblem& problem, std::span<const char> guess) {
+      solving -= clock();
+      QpResult solved = solve(problem, guess);
+      solving += clock();
+      return solved;
+    };
+    SheetStepper stepper({.material = spec.material, .dynamics = {}, .pins = {}}, stages);
+    const double start = clock();
     const StepResult result = stepper.step(cloth, scene.obstacles, 0, 1e-3);
+    const double taken = clock() - start - solving;
     EXPECT_EQ(result.report.status, StepStatus::Done) << result.report.message;
     EXPECT_EQ(validate(result.cloth), std::nullopt);
     EXPECT_GT(result.cloth.n_eol(), 2);
-    const StageTimes& t = result.report.times;
-    return t.detect + t.remesh + t.transfer + t.assemble + t.constrain + t.integrate;  // the solver has its own order
+    return taken;
   };
   const double small = std::min({seconds(32), seconds(32), seconds(32)});
   EXPECT_LE(std::min(seconds(128), seconds(128)), 4 * 16 * small);  // 4096 and 65536 faces
