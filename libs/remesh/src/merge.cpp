@@ -16,7 +16,7 @@
 // triangles ahead, and they shrink as it moves: whatever comes near is absorbed.
 //
 // Per EOL vertex, until nothing is due:
-//  - neighbours on the chain that are too near become one;
+//  - neighbours on the chain that are too near become one, and so do two vertices that ride on one corner;
 //  - a free vertex r that is too near, or low over a chain edge, goes into the chain: into one of its vertices, or, if
 //    that leaves poor triangles, into a new one at r's foot. A foot is at least sqrt(1 - thin^2) merges from both ends
 //    of its edge, or r would be near one of them; so it is not merged away again, and each vertex is absorbed once;
@@ -85,6 +85,7 @@ class Merger {
   bool settle(int v);
   bool shorten_chain(int v);
   bool drop_dangling(int v, int q);
+  bool drop_second_rider(int v);
   bool absorb_neighbours(int v);
   bool cuts_feature(const Vec3& a, const Vec3& b) const;
   bool cuts_corner(const std::array<Vec3, 3>& x) const;
@@ -169,6 +170,20 @@ bool Merger::drop_dangling(int v, int q) {
   c_.editor.release(v);
   if (mesh().can_collapse_vertex(v, q)) c_.editor.collapse(v, q);
   return true;
+}
+
+// Where two layers of cloth hang on one corner and what is between them is drawn away, both riders come to the same
+// place: the second lets go, and is then in the first one's way like any other.
+bool Merger::drop_second_rider(int v) {
+  const FeatureId& corner = cloth().feature[v];
+  if (corner.kind != FeatureKind::Corner) return false;
+  for (int q = v + 1; q < mesh().vertex_slots(); ++q) {
+    if (!mesh().vertex_live(q) || !(cloth().feature[q] == corner) || distance(v, q) >= c_.merge(chain_merge_share))
+      continue;
+    c_.editor.release(q);
+    return true;
+  }
+  return false;
 }
 
 bool Merger::absorb_neighbours(int v) {
@@ -326,7 +341,7 @@ bool Merger::settle(int v) {
   clear_ = clearance(v);
   need_ = std::max(c_.merge(last_share), need_share * c_.options.look_ahead * cloth().V[v].norm());
   while (mesh().vertex_live(v) && cloth().is_eol(v) && budget_ > 0) {
-    if (!shorten_chain(v) && !absorb_neighbours(v) && !open_faces(v)) break;
+    if (!shorten_chain(v) && !drop_second_rider(v) && !absorb_neighbours(v) && !open_faces(v)) break;
     changed = true;
     --budget_;
   }
