@@ -160,5 +160,17 @@ TEST(VertexFace, LeavesOutVerticesThatRideOnTheSameObstacleOnly) {
   EXPECT_EQ(obstacles, std::vector<int>{1});
 }
 
+TEST(VertexFace, FindsAFoldThatHasLiftedOffLikeAnyVertex) {
+  const ObstacleShape shape = make_box({1, 1, 1});
+  const PosedObstacle box{&shape, {}};
+  Cloth cloth = cloth_with_vertex_at({0.5004, 0.1, 0.5});
+  cloth.feature[0] = {0, FeatureKind::Edge, 7};
+  EXPECT_TRUE(vertex_contacts(cloth, box, {}).empty());
+  cloth.feature[0].lifted = true;
+  const std::vector<Contact> contacts = vertex_contacts(cloth, box, {});
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_NEAR(contacts[0].distance, 4e-4, 1e-15);
+}
+
 }  // namespace
 }  // namespace crease

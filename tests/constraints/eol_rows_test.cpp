@@ -388,5 +388,23 @@ TEST(EolRows, RefusesABrokenFeatureAndNumbersThatAreNotFinite) {
   EXPECT_THROW((void)sheet.rows(), std::invalid_argument);
 }
 
+// What has lifted off is led by nothing, but its chain still says which of its motions through the material is one.
+TEST(EolRows, OfAFoldThatHasLiftedOffOnlyTheTangentRuleIsLeft) {
+  EolSheet sheet = make_eol_sheet(1.0);
+  const int lifted = sheet.chain[sheet.chain.size() / 2];
+  const auto rows_of = [&](int vertex) {
+    const ConstraintRows rows = sheet.rows();
+    std::vector<RowKind> kinds;
+    for (const auto* list : {&rows.eq, &rows.in})
+      for (const RowInfo& row : *list)
+        if (row.vertex == vertex) kinds.push_back(row.kind);
+    return kinds;
+  };
+  EXPECT_EQ(rows_of(lifted), (std::vector{RowKind::EolTangent, RowKind::EolHold, RowKind::EolNormal}));
+  sheet.cloth.feature[lifted].lifted = true;
+  EXPECT_EQ(rows_of(lifted), std::vector{RowKind::EolTangent});
+  EXPECT_EQ(rows_of(sheet.chain[1]).size(), 3u);
+}
+
 }  // namespace
 }  // namespace crease

@@ -12,6 +12,7 @@
 
 #include "crease/geometry/chain.hpp"
 #include "crease/geometry/dof_map.hpp"
+#include "crease/geometry/grid.hpp"
 #include "support/meshes.hpp"
 
 namespace crease {
@@ -216,6 +217,24 @@ TEST(ChainTangent, TurnsWithTheObstacle) {
   ChainScene scene(Vec3(0, 0, 1));
   scene.obstacles[0].pose.rotation << 0, 0, -1, 0, 1, 0, 1, 0, 0;  // z -> -x
   EXPECT_LT((chain_tangent(scene.cloth, scene.row + 2, scene.obstacles) - Vec2(-1, 0)).norm(), 1e-14);
+}
+
+TEST(FoldAngle, IsTheOneBetweenTheTwoSidesOfTheChain) {
+  for (const double angle : {0.0, 1e-3, 0.2, 1.5, 3.1}) {
+    Cloth cloth = make_cloth(make_grid({.size = {1, 1}, .cells = {4, 2}, .pattern = GridPattern::Right}));
+    Mesh& mesh = cloth.mesh;
+    int middle = -1;
+    for (int v = 0; v < mesh.n_vertices(); ++v) {
+      const double beyond = mesh.X[v].x() - 0.5;
+      if (beyond > 1e-9) mesh.x[v] = {0.5 + beyond * std::cos(angle), mesh.X[v].y(), -beyond * std::sin(angle)};
+      if (std::abs(beyond) < 1e-9) cloth.feature[v] = {0, FeatureKind::Edge, 3};
+      if (std::abs(beyond) < 1e-9 && !mesh.is_border_vertex(v)) middle = v;
+    }
+    EXPECT_EQ(fold_angle(cloth, middle), 0) << "no chain";
+    for (const int h : mesh.edges())
+      if (cloth.is_eol(mesh.from(h)) && cloth.is_eol(mesh.to(h))) mesh.set_tag(h, edge_tag(0, 3));
+    EXPECT_NEAR(fold_angle(cloth, middle), angle, 1e-14);
+  }
 }
 
 TEST(BorderNormal, PointsOutwardOnEverySide) {

@@ -339,6 +339,51 @@ TEST(Conform, DoesNotCatchAgainWhatLiftsOff) {
   }
 }
 
+/// A sheet that hangs over the table's edge, after its fold has lifted off and gone out by `out`.
+SlidingSheet lifted_sheet(double out) {
+  SlidingSheet sheet({.pattern = GridPattern::Alternating, .fold = 90 * degree, .place = 0.6});
+  sheet.cloth = sheet.conform({}).cloth;
+  for (int v = 0; v < sheet.cloth.mesh.n_vertices(); ++v) {
+    sheet.cloth.mesh.x[v].x() -= out;
+    if (sheet.cloth.is_eol(v)) sheet.cloth.feature[v].lifted = true;
+    sheet.cloth.v[v] = Vec3::Zero();
+  }
+  return sheet;
+}
+
+int n_lifted(const Cloth& cloth) {
+  return static_cast<int>(
+      std::count_if(cloth.feature.begin(), cloth.feature.end(), [](const FeatureId& f) { return f.lifted; }));
+}
+
+TEST(Conform, LeavesAFoldThatHasLiftedOffAndBeginsAChainWhereItReachesNoMore) {
+  const double element = 1.0 / 20;
+  for (const double out : {1e-4, 5e-3, 0.6 * element, 1.3 * element}) {
+    SCOPED_TRACE(out);
+    const SlidingSheet sheet = lifted_sheet(out);
+    ASSERT_GT(n_lifted(sheet.cloth), 10);
+    const RemeshResult result = sheet.conform({});
+    EXPECT_EQ(validate(result.cloth), std::nullopt);
+    EXPECT_EQ(result.report.released, 0);
+    EXPECT_EQ(n_lifted(result.cloth), n_lifted(sheet.cloth));
+    EXPECT_EQ(result.report.inserted > 0, out > element);
+    for (const int h : result.cloth.mesh.edges()) {
+      if (result.cloth.mesh.tag(h) == 0) continue;
+      EXPECT_EQ(result.cloth.rides(result.cloth.mesh.from(h)), result.cloth.rides(result.cloth.mesh.to(h)))
+          << "the two chains run into each other";
+    }
+  }
+}
+
+TEST(Adapt, SplitsTheChainOfALiftedFoldIntoLiftedOnes) {
+  const SlidingSheet sheet = lifted_sheet(0.02);
+  AdaptOptions options;
+  options.size = {0.01, 0.02};
+  const Cloth cloth = adapt(sheet.cloth, options).cloth;
+  EXPECT_GT(n_lifted(cloth), n_lifted(sheet.cloth));
+  EXPECT_EQ(n_lifted(cloth), cloth.n_eol());
+}
+
 TEST(Conform, KeepsPinnedVertices) {
   SlidingSheet sheet({.pattern = GridPattern::Cross, .place = 0.6});
   std::vector<int> pinned;

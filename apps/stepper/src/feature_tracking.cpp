@@ -2,8 +2,11 @@
 #include "feature_tracking.hpp"
 
 #include <algorithm>
+#include <array>
 #include <span>
 
+#include "crease/geometry/chain.hpp"
+#include "crease/geometry/triangle.hpp"
 #include "crease/geometry/wire.hpp"
 
 namespace crease {
@@ -17,6 +20,18 @@ constexpr double closed_share = 1e-3;
 /// so a fold that rattles by micrometres changes neither mesh nor state; moving it back by hand would strain the cloth.
 constexpr double separated_share = 0.5;
 
+/// A fold this sharp [rad] goes on as one when it lifts off, until it is flatter than that. Flat cloth has no fold to
+/// follow, and x and X of a vertex in it could slide against each other.
+constexpr double lift_angle = 0.3, flat_angle = 0.2;
+
+/// A fold that nothing leads is a wave in the material, as fast as its tension makes it: T = rho V^2 across its chain.
+/// Below this share of that it is none, as in cloth that has gone slack, where nothing would keep it in its place
+/// either.
+constexpr double tension_share = 0.5;
+
+/// What lifts off rises by at least this over the way it goes; less is round-off of what slides.
+constexpr double lifting_sine = 1e-3;
+
 /// Puts x back onto a plane n . (x - point) = 0 that it stands on but for round-off; the gap if it does not.
 double settle(Vec3& x, const Vec3& point, const Vec3& n, double closed) {
   const double gap = n.dot(x - point);
@@ -24,14 +39,60 @@ double settle(Vec3& x, const Vec3& point, const Vec3& n, double closed) {
   return gap;
 }
 
-/// True if the vertex is still at its feature; x is put back onto every plane of the cone that it stands on.
-bool stays(const SharpEdge& edge, const Pose& pose, double threshold, Vec3& x) {
+/// The way from the edge to a vertex that has lifted off it, or may be about to.
+struct LiftedWay {
+  double distance, gap;  ///< from the edge; along the direction in which it pushes the cloth
+  bool rises;            ///< along that direction
+};
+
+LiftedWay lifted_way(const Cloth& cloth, int vertex, const SharpEdge& edge, const Pose& pose) {
+  const Vec3 tangent = pose.rotation * (edge.b - edge.a).normalized();
+  const std::array<Vec3, 2> normals{pose.rotation * edge.normals[0], pose.rotation * edge.normals[1]};
+  const Vec3 away = cloth.mesh.x[vertex] - pose.to_world(edge.a);
+  const Vec3 across = away - away.dot(tangent) * tangent;
+  const Vec3 motion = cloth.v[vertex] - pose.velocity_at(cloth.mesh.x[vertex]);
+  const Vec3 normal = support_normal(cloth, vertex, tangent, normals);
+  return {across.norm(), normal.dot(across), normal.dot(motion) > lifting_sine * motion.norm()};
+}
+
+/// True if the tension across the chain, E (n^T F^T F n - 1)/2 in the mean of the faces, bears a fold that runs as fast
+/// as this one. n: material normal of the chain.
+bool bears_fold(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles, const Material& material) {
+  const Mesh& mesh = cloth.mesh;
+  const Vec2 t = chain_tangent(cloth, vertex, obstacles), n(t.y(), -t.x());
+  double strain = 0, area = 0;
+  for (const int h : mesh.outgoing(vertex)) {
+    const int f = Mesh::face_of(h);
+    strain += mesh.material_area(f) * ((deformation_gradient(mesh, f) * n).squaredNorm() - 1) / 2;
+    area += mesh.material_area(f);
+  }
+  const double tension = material.youngs * strain / area, speed = n.dot(cloth.V[vertex]);
+  return tension > 0 && tension >= tension_share * material.density * speed * speed;
+}
+
+/// True if the vertex is still at its feature, or its fold goes on without it; x is put back onto every plane of the
+/// cone that it stands on.
+bool stays(Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles, const Material& material,
+           double threshold) {
+  const PosedObstacle& obstacle = obstacles[cloth.feature[vertex].obstacle];
+  const SharpEdge& edge = obstacle.shape->edges[cloth.feature[vertex].index];
+  const Pose& pose = obstacle.pose;
+  Vec3& x = cloth.mesh.x[vertex];
+  bool& lifted = cloth.feature[vertex].lifted;
+  const double closed = closed_share * threshold, separated = separated_share * threshold;
   const Vec3 a = pose.to_world(edge.a), b = pose.to_world(edge.b);
   const double length = (b - a).norm(), along = (x - a).dot((b - a) / length);
-  if (along < -closed_share * threshold || along > length + closed_share * threshold) return false;
-  return std::all_of(edge.normals.begin(), edge.normals.end(), [&](const Vec3& n) {
-    return settle(x, a, pose.rotation * n, closed_share * threshold) <= separated_share * threshold;
-  });
+  if (along < -closed || along > length + closed) return false;
+  const LiftedWay way = lifted_way(cloth, vertex, edge, pose);
+  const double angle = fold_angle(cloth, vertex);
+  if (lifted)
+    lifted = angle > flat_angle && (way.gap > closed || way.distance > separated);
+  else
+    lifted = angle > lift_angle && way.gap > closed && way.rises;
+  lifted = lifted && bears_fold(cloth, vertex, obstacles, material);
+  if (lifted) return true;
+  return std::all_of(edge.normals.begin(), edge.normals.end(),
+                     [&](const Vec3& n) { return settle(x, a, pose.rotation * n, closed) <= separated; });
 }
 
 bool stays(const SharpCorner& corner, const Pose& pose, double threshold, Vec3& x) {
@@ -74,23 +135,34 @@ Pose mean_motion(const Obstacle& obstacle, double time, double h) {
   return pose;
 }
 
-int track_features(Cloth& cloth, std::span<const Obstacle> obstacles, double time, double threshold) {
-  std::vector<Pose> poses;
-  for (const Obstacle& obstacle : obstacles) poses.push_back(pose_at(obstacle, time));
+int track_features(Cloth& cloth, std::span<const Obstacle> obstacles, double time, double threshold,
+                   const Material& material) {
+  std::vector<PosedObstacle> posed;
+  for (const Obstacle& obstacle : obstacles) posed.push_back({&obstacle.shape, pose_at(obstacle, time)});
   std::vector<int> leaving;
   for (int v = 0; v < cloth.mesh.n_vertices(); ++v) {
     if (!cloth.is_eol(v)) continue;
     const FeatureId id = cloth.feature[v];
-    const ObstacleShape& shape = obstacles[id.obstacle].shape;
-    const Pose& pose = poses[id.obstacle];
-    Vec3& x = cloth.mesh.x[v];
-    const bool at_home = is_on_wire(id, shape)          ? stays_on_wire(cloth, v, shape, pose, threshold)
-                         : id.kind == FeatureKind::Edge ? stays(shape.edges[id.index], pose, threshold, x)
-                                                        : stays(shape.corners[id.index], pose, threshold, x);
+    const ObstacleShape& shape = *posed[id.obstacle].shape;
+    const Pose& pose = posed[id.obstacle].pose;
+    const bool at_home = is_on_wire(id, shape) ? stays_on_wire(cloth, v, shape, pose, threshold)
+                         : id.kind == FeatureKind::Edge
+                             ? stays(cloth, v, posed, material, threshold)
+                             : stays(shape.corners[id.index], pose, threshold, cloth.mesh.x[v]);
     if (!at_home) leaving.push_back(v);
   }
   for (const int v : leaving) make_lagrangian(cloth, v);
   return static_cast<int>(leaving.size());
+}
+
+int release_lifted(Cloth& cloth) {
+  int n = 0;
+  for (int v = 0; v < cloth.mesh.n_vertices(); ++v) {
+    if (!cloth.feature[v].lifted) continue;
+    make_lagrangian(cloth, v);
+    ++n;
+  }
+  return n;
 }
 
 }  // namespace crease

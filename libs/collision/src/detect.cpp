@@ -106,7 +106,7 @@ Contact of_beginning(Contact contact, const Cloth& cloth, const Pose& start, con
   contact.point = start.to_world(end.to_local(contact.point));
   contact.velocity = start.velocity_at(contact.point);
   Vec3 x = Vec3::Zero();
-  for (int k = 0; k < contact.n_vertices; ++k) x += contact.weights[k] * cloth.mesh.x[contact.vertices[k]];
+  for (int k = 0; k < 3 && k < contact.n_vertices; ++k) x += contact.weights[k] * cloth.mesh.x[contact.vertices[k]];
   contact.distance = contact.normal.dot(x - contact.point);
   contact.normal = start.rotation * (end.rotation.transpose() * contact.normal);
   return contact;

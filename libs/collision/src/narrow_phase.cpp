@@ -69,7 +69,8 @@ double NarrowPhase::reach(const Vec3& velocity) const {
 }
 
 bool NarrowPhase::on_feature(int vertex, FeatureKind kind, int index) const {
-  return cloth_.feature[static_cast<std::size_t>(vertex)] == FeatureId{obstacle_.index, kind, index};
+  return cloth_.rides(vertex) &&
+         cloth_.feature[static_cast<std::size_t>(vertex)] == FeatureId{obstacle_.index, kind, index};
 }
 
 // On which side of the sheet the wire is, as the first of these vertices that rides on it knows; 0 if none does.
@@ -109,7 +110,7 @@ Vec3 NarrowPhase::rim_normal(int vertex, std::span<const Vec3> normals, const Ve
 
 std::vector<Contact> NarrowPhase::vertex_face(int vertex) const {
   const auto& feature = cloth_.feature[static_cast<std::size_t>(vertex)];
-  const FeatureId own = feature.obstacle == obstacle_.index ? feature : FeatureId{};
+  const FeatureId own = feature.obstacle == obstacle_.index && cloth_.rides(vertex) ? feature : FeatureId{};
   const Vec3& x = cloth_.mesh.x[static_cast<std::size_t>(vertex)];
   std::vector<Contact> contacts;
   for (const SurfacePoint& near : near_on_surface(obstacle_.source, x, reach(relative_velocity(vertex)), own)) {
@@ -157,7 +158,7 @@ bool NarrowPhase::is_guarded_by_end(int halfedge, double s) const {
   const int end = s < 0.5 ? cloth_.mesh.from(halfedge) : cloth_.mesh.to(halfedge);
   const Vec3 along = cloth_.mesh.x[static_cast<std::size_t>(cloth_.mesh.to(halfedge))] -
                      cloth_.mesh.x[static_cast<std::size_t>(cloth_.mesh.from(halfedge))];
-  return cloth_.feature[static_cast<std::size_t>(end)].obstacle == obstacle_.index &&
+  return cloth_.rides(end) && cloth_.feature[static_cast<std::size_t>(end)].obstacle == obstacle_.index &&
          std::min(s, 1 - s) * along.norm() <= options_.threshold;
 }
 

@@ -98,7 +98,7 @@ class Sweep {
 
  private:
   const ObstacleShape& shape() const { return *obstacle_.source.shape; }
-  bool rides_on(int vertex, const FeatureId& id) const { return cloth_.feature[vertex] == id; }
+  bool rides_on(int vertex, const FeatureId& id) const { return cloth_.rides(vertex) && cloth_.feature[vertex] == id; }
   bool is_guarded(int halfedge, int edge) const;
   std::vector<int> faces_near(const Eigen::AlignedBox3d& bounds) const;
   std::optional<Contact> pass_edge(int halfedge, int edge) const;

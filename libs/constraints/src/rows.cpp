@@ -182,7 +182,7 @@ ConstraintRows build_constraints(const Cloth& cloth, const DofMap& dofs, std::sp
     require(dofs.is_eol(vertex) == cloth.is_eol(vertex), "build_constraints: expected the dof map of this cloth");
     if (cloth.pins[vertex] != 0 && dofs.owner(vertex) == vertex) builder.add_pin(vertex, pins);
     if (!cloth.is_eol(vertex)) continue;
-    builder.add_eol_world(vertex);
+    if (cloth.rides(vertex)) builder.add_eol_world(vertex);
     builder.add_eol_material(vertex);
   }
   for (const Contact& contact : contacts) builder.add_contact(contact);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "crease/geometry/chain.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -53,6 +56,18 @@ Vec2 chain_tangent(const Cloth& cloth, int vertex, std::span<const PosedObstacle
   constexpr double cancelled = 1e-6;
   if (sum.norm() > cancelled) return sum.normalized();
   return pull_back(vertex_deformation_gradient(mesh, vertex), along);
+}
+
+double fold_angle(const Cloth& cloth, int vertex) {
+  const Mesh& mesh = cloth.mesh;
+  double angle = 0;
+  for (const int u : mesh.neighbours(vertex)) {
+    const int h = mesh.find_edge(vertex, u);
+    if (mesh.tag(h) == 0 || mesh.is_border(h)) continue;
+    const Vec3 m = face_normal(mesh, Mesh::face_of(h)), n = face_normal(mesh, Mesh::face_of(mesh.twin(h)));
+    angle = std::max(angle, std::atan2(m.cross(n).norm(), m.dot(n)));
+  }
+  return angle;
 }
 
 Vec2 border_normal(const Mesh& mesh, int vertex) {

@@ -117,7 +117,7 @@ Vec3 Linker::cloth_normal(int v) const {
 
 // A vertex that has lifted off is a hole in the chain, not a link that is missing.
 bool Linker::may_pass(int u) const {
-  if (lies_on(c_.cloth().feature[u], feature_, c_.obstacles)) return true;
+  if (lies_on(c_.cloth().feature[u], feature_, c_.obstacles)) return c_.cloth().rides(u);
   return lies_near(mesh().x[u]) &&
          !separates(c_, feature_, {mesh().X[u], mesh().x[u], c_.cloth().world_velocity(u)}, cloth_normal(u));
 }
@@ -163,7 +163,8 @@ bool Linker::make_link(int p, int q) {
 
 // Returns where the walk goes on, none if it cannot.
 int Linker::step_to_vertex(int p, int u, int q) {
-  if (u != q && !lies_on(c_.cloth().feature[u], feature_, c_.obstacles)) {
+  const bool is_member = lies_on(c_.cloth().feature[u], feature_, c_.obstacles) && c_.cloth().rides(u);
+  if (u != q && !is_member) {
     const Vec2 d = (mesh().X[q] - mesh().X[p]).normalized();
     const SurfacePoint here{mesh().X[u], mesh().x[u], c_.cloth().v[u]};
     if (!may_pass(u)) return Mesh::none;
@@ -219,7 +220,7 @@ void Linker::link(std::vector<int> members) {
 std::map<int, std::vector<int>> members_by_edge(const Conforming& c) {
   std::map<int, std::vector<int>> members;
   for (int v = 0; v < c.mesh().vertex_slots(); ++v) {
-    if (!c.mesh().vertex_live(v) || !c.cloth().is_eol(v)) continue;
+    if (!c.mesh().vertex_live(v) || !c.cloth().rides(v)) continue;
     const FeatureId& f = c.cloth().feature[v];
     if (f.kind == FeatureKind::Edge) {
       members[edge_tag(f.obstacle, f.index)].push_back(v);

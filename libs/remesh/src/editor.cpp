@@ -96,6 +96,7 @@ Mesh::Split Editor::split_alone(int h, double t) {
     v = (1 - t) * cloth_.v[a] + t * cloth_.v[b];
     V = (1 - t) * cloth_.V[a] + t * cloth_.V[b];
     feature = tag_feature(tag);
+    feature.lifted = cloth_.feature[a].lifted || cloth_.feature[b].lifted;
   }
   const Mesh::Split done = cloth_.mesh.split(h, t);
   add_vertex(v, V, feature, pins);

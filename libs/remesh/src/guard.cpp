@@ -29,16 +29,32 @@ Vec3 normal_of(const std::array<Vec3, 3>& x) {
   return length > 0 ? Vec3(n / length) : Vec3::Zero();
 }
 
-// The obstacle edge that a vertex rides on, as a tag; 0 for corners and Lagrangian vertices.
+// The obstacle edge whose chain a vertex is in, as a tag; 0 for corners and Lagrangian vertices.
 int line_of(const Cloth& cloth, int vertex) {
   const FeatureId& f = cloth.feature[vertex];
   return f.kind == FeatureKind::Edge ? edge_tag(f.obstacle, f.index) : 0;
 }
 
-// The same for a face with one corner at a target.
+// A fold that has lifted off an edge, and the chain found again on that edge behind it, are not one line: between them
+// there is cloth. But a fold may also have lifted off in part.
+bool in_two_chains(const Cloth& cloth, int a, int b) {
+  if (cloth.feature[a].lifted == cloth.feature[b].lifted) return false;
+  const Mesh& mesh = cloth.mesh;
+  const auto are_linked = [&](int u, int v) {
+    const int h = mesh.find_edge(u, v);
+    return h != Mesh::none && mesh.tag(h) != 0;
+  };
+  const std::vector<int> around = mesh.neighbours(a);
+  return !are_linked(a, b) &&
+         std::none_of(around.begin(), around.end(), [&](int u) { return are_linked(a, u) && are_linked(u, b); });
+}
+
+// Whether one obstacle edge holds all three corners of a face with one corner at a target.
 bool in_one_line(const Cloth& cloth, const Target& target, int s, int t) {
   const int line = std::max(line_of(cloth, s), line_of(cloth, t));
   if (line == 0 || target.a == Mesh::none || !on_line(cloth, s, line) || !on_line(cloth, t, line)) return false;
+  if (in_two_chains(cloth, s, t) || in_two_chains(cloth, target.a, s) || in_two_chains(cloth, target.a, t))
+    return false;
   return on_line(cloth, target.a, line) && (target.b == Mesh::none || on_line(cloth, target.b, line));
 }
 
@@ -107,7 +123,8 @@ bool on_line(const Cloth& cloth, int vertex, int tag) {
 
 bool in_one_line(const Cloth& cloth, int a, int b, int c) {
   const int line = std::max({line_of(cloth, a), line_of(cloth, b), line_of(cloth, c)});
-  return line != 0 && on_line(cloth, a, line) && on_line(cloth, b, line) && on_line(cloth, c, line);
+  return line != 0 && on_line(cloth, a, line) && on_line(cloth, b, line) && on_line(cloth, c, line) &&
+         !in_two_chains(cloth, a, b) && !in_two_chains(cloth, b, c) && !in_two_chains(cloth, c, a);
 }
 
 Ring ring_after(const Cloth& cloth, int vertex, const Target& target) {

@@ -66,7 +66,7 @@ Verdict judge_collapse(const Cloth& cloth, int vertex, int into, const GuardLimi
 Verdict judge_slide(const Cloth& cloth, int vertex, const Target& target, double least_altitude,
                     const GuardLimits& limits);
 
-/// Whether the vertex is on the obstacle edge that `tag` names: EOL on it, or a corner where its chain ends.
+/// Whether the vertex is in a chain of the obstacle edge that `tag` names, or is the corner where it ends.
 bool on_line(const Cloth& cloth, int vertex, int tag);
 /// Whether one obstacle edge holds all three: such a face has no area in the world.
 bool in_one_line(const Cloth& cloth, int a, int b, int c);

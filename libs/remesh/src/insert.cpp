@@ -107,6 +107,16 @@ std::vector<Crossing> ordered_crossings(const Conforming& c, std::span<const Con
   return crossings;
 }
 
+// A fold that has just lifted off is the fold of this edge for as long as its faces reach over it.
+bool is_beside_lifted(const Conforming& c, int h, const FeatureId& feature) {
+  for (const int side : {h, c.mesh().twin(h)}) {
+    if (side == Mesh::none) continue;
+    const FeatureId& other = c.cloth().feature[c.mesh().opposite(side)];
+    if (other.lifted && other == feature) return true;
+  }
+  return false;
+}
+
 void insert_crossing(Conforming& c, const Contact& contact) {
   const auto [h, t] = locate(c.mesh(), contact);
   if (h == Mesh::none) return;
@@ -119,6 +129,7 @@ void insert_crossing(Conforming& c, const Contact& contact) {
   const int a = c.mesh().from(h), b = c.mesh().to(h);
   for (const int v : {a, b})
     if (lies_on(c.cloth().feature[v], contact.feature, c.obstacles)) return;
+  if (is_beside_lifted(c, h, contact.feature)) return;
   const SurfacePoint point = on_edge_point(c.cloth(), h, t);
   if (separates(c, contact.feature, point, contact.normal)) {
     c.editor.refuse_once(RefusalReason::Separating, point.X);

@@ -13,6 +13,7 @@ namespace {
 bool has_left(const Conforming& c, int v) {
   const FeatureId& feature = c.cloth().feature[v];
   if (!exists(feature, c.obstacles)) return true;
+  if (feature.lifted) return false;  // nowhere is its place; how long it is a fold, the stepper sees
   const double reach = leave_share * c.options.snap;
   const Vec3& x = c.mesh().x[v];
   if (stands_back(feature, c.obstacles, x, aside_share * c.options.snap)) return true;
@@ -98,11 +99,23 @@ bool passes_by(const Conforming& c, int vertex, const Vec2& P, const FeatureId& 
   return false;
 }
 
+// A fold that has lifted off is led by nothing, and gives way to whatever else rides beside it.
+bool drifts_into_rider(const Conforming& c, int v) {
+  const Mesh& mesh = c.mesh();
+  if (!c.cloth().feature[v].lifted) return false;
+  const std::vector<int> around = mesh.neighbours(v);
+  return std::any_of(around.begin(), around.end(), [&](int u) {
+    return c.cloth().rides(u) && mesh.tag(mesh.find_edge(v, u)) == 0 &&
+           (mesh.X[u] - mesh.X[v]).norm() < c.merge(cross_share);
+  });
+}
+
 // All are judged before any is released: a release clears the tags that the others' tangents come from.
 void release_strays(Conforming& c) {
   std::vector<int> strays;
   for (int v = 0; v < c.mesh().vertex_slots(); ++v)
-    if (c.cloth().is_eol(v) && (has_left(c, v) || is_crowded(c, v) || runs_into_chain(c, v))) strays.push_back(v);
+    if (c.cloth().is_eol(v) && (has_left(c, v) || is_crowded(c, v) || runs_into_chain(c, v) || drifts_into_rider(c, v)))
+      strays.push_back(v);
   for (const int v : strays) c.editor.release(v);
 }
 

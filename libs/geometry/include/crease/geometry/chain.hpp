@@ -20,6 +20,10 @@ std::vector<int> chain_edges(const Cloth& cloth, int vertex, int tag);
 /// @pre vertex is EOL on an edge
 Vec2 chain_tangent(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles);
 
+/// Largest angle [rad] by which the cloth is folded at an EOL vertex: between the normals of the two faces beside an
+/// edge of its chain; 0 without one.
+double fold_angle(const Cloth& cloth, int vertex);
+
 /// Unit material vector orthogonal to the border at a border vertex (mean of its two border edges).
 Vec2 border_normal(const Mesh& mesh, int vertex);
 

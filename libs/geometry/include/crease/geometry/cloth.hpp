@@ -25,6 +25,8 @@ struct Cloth {
   std::vector<std::uint64_t> pins;  ///< bit k set: held by pin k; such a vertex is never removed
 
   bool is_eol(int vertex) const { return feature[vertex].kind != FeatureKind::None; }
+  /// An EOL vertex whose fold has not lifted off.
+  bool rides(int vertex) const { return is_eol(vertex) && !feature[vertex].lifted; }
   int n_eol() const;
   /// World velocity of the material at a vertex: xdot for a Lagrangian one, xdot - F Xdot (F area-weighted) for EOL.
   Vec3 world_velocity(int vertex) const;

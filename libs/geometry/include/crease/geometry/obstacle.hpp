@@ -24,7 +24,11 @@ struct FeatureId {
   /// A wire has no inside, so it has to be remembered on which side of the sheet it is: +1 if the sheet's own normal
   /// (of its faces' orientation) points away from it, -1 if towards it, 0 if unknown or if the shape tells.
   int side = 0;
-  /// Of places: two sheets on the two sides of a wire are on the same feature.
+  /// True on an edge of a solid where the fold has lifted off: the vertex keeps its five unknowns, so that the fold
+  /// goes on through the material as a wave does along a string, but nothing leads it; it touches obstacles like any
+  /// other.
+  bool lifted = false;
+  /// Of places: two sheets on the two sides of a wire are on the same feature, and so is a fold that has lifted off it.
   bool operator==(const FeatureId& other) const {
     return obstacle == other.obstacle && kind == other.kind && index == other.index;
   }
