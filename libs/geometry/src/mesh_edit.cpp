@@ -23,6 +23,22 @@ bool contains(const std::array<int, 3>& face, int v) {
   return face[0] == v || face[1] == v || face[2] == v;
 }
 
+// Whether the border edge that a collapse along the border leaves would run between the same two places as another one,
+// the other way round, which is what a seam is: so it goes at the open end of a tube, with the third vertex from last.
+bool closes_a_seam(const Mesh& mesh, int vertex, int into) {
+  if (!mesh.has_seams() || !mesh.is_border_vertex(vertex)) return false;
+  const std::vector<int> around = mesh.neighbours(vertex);  // from the next one on the border to the one before
+  const int after = around.front(), before = around.back();
+  if (into != after && into != before) return false;
+  int v = after;
+  do {
+    const int out = mesh.halfedge(v);
+    if (mesh.is_border(out) && mesh.are_tied(mesh.to(out), before)) return true;
+    v = mesh.tied(v);
+  } while (v != after);
+  return false;
+}
+
 }  // namespace
 
 // -- bookkeeping shared by the operations ----------------------------------------------------------------------------
@@ -204,7 +220,7 @@ Mesh::Collapse Mesh::collapse(int h) {
 bool Mesh::can_collapse_vertex(int vertex, int into, double min_area) const {
   const int edge = find_edge(vertex, into);
   if (edge == none || !tags_allow_collapse(vertex, edge) || !links_allow_collapse(vertex, into, edge)) return false;
-  if (on_seam(vertex)) return false;
+  if (on_seam(vertex) || closes_a_seam(*this, vertex, into)) return false;
   return all_outgoing(vertex, [&](int h) {
     const int b = to(h), c = opposite(h);
     if (b == into || c == into) return true;

@@ -138,9 +138,9 @@ class Mesh {
   };
   /// Removes from(h), moving its edges to to(h). False if the link condition fails, if a border vertex would leave the
   /// border or shorten it through a corner, if a tagged line would be shortened other than along itself (exactly two
-  /// edges with the same tag at from(h), h one of them; or from(h) untagged), if from(h) is on a seam, or if a face
-  /// that stays would have two tied corners or a material area not above `min_area` (absolute, >= 0). Tags of merging
-  /// edges are kept (a tagged one wins).
+  /// edges with the same tag at from(h), h one of them; or from(h) untagged), if from(h) is on a seam or two border
+  /// edges would become one, or if a face that stays would have two tied corners or a material area not above
+  /// `min_area` (absolute, >= 0). Tags of merging edges are kept (a tagged one wins).
   bool can_collapse(int h, double min_area = 0.0) const;
   Collapse collapse(int h);
   /// The same, named by its two vertices: a border edge has a half-edge in one direction only, yet either end may go.
