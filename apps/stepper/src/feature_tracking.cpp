@@ -155,14 +155,4 @@ int track_features(Cloth& cloth, std::span<const Obstacle> obstacles, double tim
   return static_cast<int>(leaving.size());
 }
 
-int release_lifted(Cloth& cloth) {
-  int n = 0;
-  for (int v = 0; v < cloth.mesh.n_vertices(); ++v) {
-    if (!cloth.feature[v].lifted) continue;
-    make_lagrangian(cloth, v);
-    ++n;
-  }
-  return n;
-}
-
 }  // namespace crease

@@ -21,7 +21,4 @@ Pose mean_motion(const Obstacle& obstacle, double time, double h);
 int track_features(Cloth& cloth, std::span<const Obstacle> obstacles, double time, double threshold,
                    const Material& material);
 
-/// Makes every fold that has lifted off Lagrangian; the number of its vertices.
-int release_lifted(Cloth& cloth);
-
 }  // namespace crease

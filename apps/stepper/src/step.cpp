@@ -23,11 +23,6 @@ namespace {
 /// of the altitude ahead of it: the material Courant number at which explicit velocity terms are still accurate.
 constexpr double min_area_share = 0.7;
 
-/// Steps in a row that may be too long for the triangles ahead, each half of the one before, until folds that have
-/// lifted off are given up: their rows lead them nowhere, and where the cloth has gone slack nothing keeps them in
-/// their place.
-constexpr int max_long_steps = 4;
-
 /// Solutions of one step, each with the contacts that the one before ran into.
 constexpr int max_passes = 4;
 /// ConstraintOptions::wire_clearance as a share of the contact threshold: above what a step's straight path misses of
@@ -194,7 +189,6 @@ struct SheetStepper::Impl {
   std::vector<std::array<int, 3>> faces;
   std::vector<char> eol;
   std::map<RowKey, char> active;  // activity of the last solution, by row
-  int long_steps = 0;             // in a row, see max_long_steps
 
   // The stages of Algorithm 1, in order; false = the step failed and the report says why.
   void detect(Work& work);
@@ -256,7 +250,7 @@ void SheetStepper::Impl::renumber(const std::vector<int>& vertex_map) {
 }
 
 SheetStepper::SheetStepper(SheetSettings settings, Stages stages)
-    : impl_(std::make_unique<Impl>(Impl{std::move(settings), std::move(stages), {}, {}, nullptr, {}, {}, {}, 0})) {
+    : impl_(std::make_unique<Impl>(Impl{std::move(settings), std::move(stages), {}, {}, nullptr, {}, {}, {}})) {
   require_valid(impl_->settings.material);
   require(impl_->stages.solve || !impl_->stages.constrain,
           "SheetStepper: expected a solve stage, as there is one that constrains; got an empty function");
@@ -277,7 +271,7 @@ void SheetStepper::Impl::remesh(Work& work) {
   const RemeshReport& done = remeshed.report;
   StepReport& report = work.report;
   report.inserted = done.inserted;
-  report.released += done.released;
+  report.released = done.released;
   report.splits = done.splits;
   report.flips = done.flips;
   report.collapses = done.collapses;
@@ -387,12 +381,9 @@ StepResult SheetStepper::step(const Cloth& cloth, std::span<const Obstacle> obst
   require(cloth.mesh.is_compact(), "SheetStepper::step: expected a compact mesh");
   require(all_finite(cloth), "SheetStepper::step: expected finite positions and velocities");
   Work work{.time = time, .h = h, .posed = pose_all(obstacles, time, h), .cloth = cloth};
-  if (impl_->long_steps >= max_long_steps) work.report.released = release_lifted(work.cloth);
   impl_->detect(work);
   impl_->remesh(work);
   const bool done = impl_->assemble(work) && impl_->constrain_and_solve(work) && impl_->integrate(work, obstacles);
-  const bool too_long = work.report.status == StepStatus::EulerianStepTooLong;
-  impl_->long_steps = too_long ? impl_->long_steps + 1 : 0;
   if (!done) return {cloth, std::move(work.report)};
   return {std::move(work.cloth), std::move(work.report)};
 }
