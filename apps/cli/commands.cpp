@@ -57,6 +57,8 @@ int run(const Arguments& arguments) {
     return stop_requested == 0;
   });
   progress.finish();
+  for (const std::string& warning : result.warnings)
+    if (!arguments.quiet) std::cerr << loaded.scene.name << ": warning: " << warning << '\n';
   if (result.status != RunStatus::Done) {
     std::cerr << "crease: " << result.message << '\n';
     if (result.status == RunStatus::Interrupted) std::cerr << "crease: continue with --resume\n";

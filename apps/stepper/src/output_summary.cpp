@@ -99,6 +99,7 @@ std::string summary_json(const Scene& scene, const Summary& summary, const Tally
   json["refusals"] = static_cast<int>(sums.refusals);
   json["stages"] = stages_json(sums);
   json["left_out"] = summary.left_out;
+  json["warnings"] = summary.warnings;
   json["worst_penetration"] = {{"value", tally.deepest().max_penetration}, {"time", tally.deepest().time}};
   json["energy"] = {{"start", summary.start.total()}, {"end", energy}, {"drift", energy - summary.start.total()}};
   json["momentum"] = {{"start", to_json(summary.start.momentum)},

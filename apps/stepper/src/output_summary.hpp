@@ -30,7 +30,7 @@ struct Summary {
   bool finished = false;
   std::string why, command_line;
   int frames = 0;
-  std::vector<std::string> left_out;
+  std::vector<std::string> left_out, warnings;
   Energies start;
 };
 std::string summary_json(const Scene& scene, const Summary& summary, const Tally& tally);

@@ -18,6 +18,7 @@
 #include "output_obstacles.hpp"
 #include "output_steps.hpp"
 #include "output_summary.hpp"
+#include "resolution.hpp"
 #include "run_advance.hpp"
 #include "run_directory.hpp"
 #include "run_schedule.hpp"
@@ -103,6 +104,7 @@ class Run {
   const RunDirectory directory_;
   const Schedule schedule_;
   const Energies start_;
+  const std::vector<std::string> warnings_;
   Sheets sheets_;
   Tally tally_;
   std::optional<LineFile> steps_file_;
@@ -117,6 +119,7 @@ Run::Run(const LoadedScene& loaded, const RunOptions& options)
       directory_{options.directory},
       schedule_(loaded.scene),
       start_(measure(loaded.scene, loaded.cloths)),
+      warnings_(unresolved_features(loaded)),
       sheets_(loaded.scene, options.stages) {
   const bool anew = options.force && !options.resume;
   if (anew || !std::filesystem::exists(directory_.checkpoint()))
@@ -285,11 +288,11 @@ void Run::take_checkpoint() {
 RunResult Run::finish(RunStatus status, std::string message) const {
   const bool done = status == RunStatus::Done;
   write_summary(done && reached_end(), message);
-  return {status, done ? std::string() : std::move(message), reached()};
+  return {status, done ? std::string() : std::move(message), reached(), warnings_};
 }
 
 void Run::write_summary(bool finished, const std::string& why) const {
-  const Summary summary{finished, why, options_.command_line, n_frames(), sheets_.left_out(), start_};
+  const Summary summary{finished, why, options_.command_line, n_frames(), sheets_.left_out(), warnings_, start_};
   write_whole(directory_.root / "summary.json", summary_json(scene_, summary, tally_));
 }
 

@@ -6,14 +6,11 @@
 #include "crease/constraints/lagrangian.hpp"
 #include "crease/geometry/wire.hpp"
 #include "crease/stepper/step.hpp"
+#include "resolution.hpp"
 
 namespace crease {
 namespace {
 
-/// Conformal vertices nearer to each other than this share of the cloth's length are merged.  [WEIDNER18, Sec. 6.1]
-constexpr double merge_share_of_length = 0.01;
-/// ... but never more than this share of the shortest edge wanted, else every fine triangle would be merged away.
-constexpr double merge_share_of_size = 0.5;
 /// What a fold would reach in this many steps is cleared out of its way, so that a step, which may cross 0.3 of a
 /// triangle, need not be cut; up to this share of the longest edge wanted, beyond which it is cut.
 constexpr double steps_ahead = 7;
@@ -22,17 +19,6 @@ constexpr double clearance_share_of_longest = 0.35;
 /// A step may end with the cloth this deep inside an obstacle, as a share of the contact threshold, without being
 /// solved again: a tenth of what is promised, and far above what a solver leaves.
 constexpr double foreseen_depth = 0.1;
-
-double material_length(const Cloth& cloth) {
-  Vec2 low = cloth.mesh.X.front(), high = low;
-  for (const Vec2& X : cloth.mesh.X) low = low.cwiseMin(X), high = high.cwiseMax(X);
-  return (high - low).maxCoeff();
-}
-
-/// Distance under which conformal vertices and their neighbours are merged.
-double merge_distance(const Cloth& cloth, const AdaptOptions& options) {
-  return std::min(merge_share_of_length * material_length(cloth), merge_share_of_size * options.size[0]);
-}
 
 using RemeshStage = decltype(Stages::remesh);
 

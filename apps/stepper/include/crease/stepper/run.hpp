@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "crease/stepper/scene_io.hpp"
 #include "crease/stepper/step.hpp"
@@ -41,8 +42,9 @@ enum class RunStatus {
 
 struct RunResult {
   RunStatus status = RunStatus::Done;
-  std::string message;       ///< step, time, stage and why, when not Done
-  RunProgress reached = {};  ///< where the run stands now; zeros if it did not begin
+  std::string message;                     ///< step, time, stage and why, when not Done
+  RunProgress reached = {};                ///< where the run stands now; zeros if it did not begin
+  std::vector<std::string> warnings = {};  ///< what the scene asks for and cannot get; in summary.json too
 };
 
 /// Runs a scene and writes everything of the contract's section 3.
