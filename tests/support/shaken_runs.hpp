@@ -4,6 +4,7 @@
 // A shipped scene run with its obstacles shaken and everything turned. The test's target defines CREASE_SCENES.
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -46,7 +47,8 @@ inline void expect_ends_outside(const ShakenScene& shaken, const std::string& la
   const double allowed = 1e-3 * cloth_length(loaded);
   const auto piercing = std::make_shared<Piercing>(allowed);
   RunOptions options;
-  options.directory = std::filesystem::temp_directory_path() / ("crease_shaken_" + shaken.name + "_" + label);
+  options.directory = std::filesystem::temp_directory_path() /
+                      ("crease_shaken_" + shaken.name + "_" + label + "_" + std::to_string(getpid()));
   options.until = shaken.until;
   options.stages = watched_stages(piercing);
   std::filesystem::remove_all(options.directory);
