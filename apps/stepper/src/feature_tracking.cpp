@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <span>
 
 #include "crease/geometry/chain.hpp"
@@ -25,9 +26,10 @@ constexpr double separated_share = 0.5;
 constexpr double lift_angle = 0.3, flat_angle = 0.2;
 
 /// A fold that nothing leads is a wave in the material, as fast as its tension makes it: T = rho V^2 across its chain.
-/// Below this share of that it is none, as in cloth that has gone slack, where nothing would keep it in its place
-/// either.
-constexpr double tension_share = 0.5;
+/// Much faster it is none, as in cloth that has gone slack, where nothing would keep it in its place either. Nor does
+/// it begin much slower: where an obstacle draws back from a fold at rest, that parts into two waves, which one chain
+/// cannot be.
+constexpr double fastest_share = 2, slowest_share = 0.5;
 
 /// What lifts off rises by at least this over the way it goes; less is round-off of what slides.
 constexpr double lifting_sine = 1e-3;
@@ -55,9 +57,9 @@ LiftedWay lifted_way(const Cloth& cloth, int vertex, const SharpEdge& edge, cons
   return {across.norm(), normal.dot(across), normal.dot(motion) > lifting_sine * motion.norm()};
 }
 
-/// True if the tension across the chain, E (n^T F^T F n - 1)/2 in the mean of the faces, bears a fold that runs as fast
-/// as this one. n: material normal of the chain.
-bool bears_fold(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles, const Material& material) {
+/// rho V^2 / T of a fold, with the tension across its chain T = E (n^T F^T F n - 1)/2 in the mean of the faces, n the
+/// material normal of the chain; infinite without tension.
+double wave_share(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles, const Material& material) {
   const Mesh& mesh = cloth.mesh;
   const Vec2 t = chain_tangent(cloth, vertex, obstacles), n(t.y(), -t.x());
   double strain = 0, area = 0;
@@ -67,7 +69,7 @@ bool bears_fold(const Cloth& cloth, int vertex, std::span<const PosedObstacle> o
     area += mesh.material_area(f);
   }
   const double tension = material.youngs * strain / area, speed = n.dot(cloth.V[vertex]);
-  return tension > 0 && tension >= tension_share * material.density * speed * speed;
+  return tension > 0 ? material.density * speed * speed / tension : std::numeric_limits<double>::infinity();
 }
 
 /// True if the vertex is still at its feature, or its fold goes on without it; x is put back onto every plane of the
@@ -85,11 +87,15 @@ bool stays(Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles, c
   if (along < -closed || along > length + closed) return false;
   const LiftedWay way = lifted_way(cloth, vertex, edge, pose);
   const double angle = fold_angle(cloth, vertex);
+  const double least_share = lifted ? 0.0 : slowest_share;
   if (lifted)
     lifted = angle > flat_angle && (way.gap > closed || way.distance > separated);
   else
     lifted = angle > lift_angle && way.gap > closed && way.rises;
-  lifted = lifted && bears_fold(cloth, vertex, obstacles, material);
+  if (lifted) {
+    const double share = wave_share(cloth, vertex, obstacles, material);
+    lifted = share >= least_share && share <= fastest_share;
+  }
   if (lifted) return true;
   return std::all_of(edge.normals.begin(), edge.normals.end(),
                      [&](const Vec3& n) { return settle(x, a, pose.rotation * n, closed) <= separated; });
