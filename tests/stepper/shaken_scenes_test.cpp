@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(coarse("drape_corner", "[8,8]", "[0.1,0.2]", 0.5), coarse("edge", "[8,8]", "[0.08,0.2]", 0.8),
                       coarse("jaws", "[8,8]", "[0.08,0.2]", 0.6), ShakenScene{.name = "lo_res", .until = 0.8},
                       coarse("nails", "[8,8]", "[0.1,0.2]", 0.6), coarse("prism", "[9,8]", "[0.1,0.2]", 0.3),
-                      coarse("push", "[8,8]", "[0.08,0.2]", 0.6), coarse("tablecloth", "[8,8]", "[0.15,0.3]", 0.6),
+                      coarse("push", "[8,8]", "[0.08,0.2]", 0.6), coarse("tablecloth", "[10,10]", "[0.1,0.2]", 0.6),
                       coarse("throw", "[8,8]", "[0.1,0.2]", 0.5), coarse("wire", "[8,8]", "[0.08,0.2]", 0.8)),
     testing::name_of);
 
