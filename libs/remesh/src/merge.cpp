@@ -316,9 +316,11 @@ bool Merger::open_faces(int v) {
       if (mesh().material_length(h) > mesh().material_length(longest)) longest = h;
     const FlipCheck check = flip_check(cloth(), longest);
     const Permission allowed = permission(room);
-    if (!check.sound || check.dihedral > allowed.turn || flip_shift(mesh(), longest) > allowed.shift ||
-        check.altitude < flip_gain * check.altitude_before)
-      continue;
+    if (!check.sound || check.altitude < flip_gain * check.altitude_before) continue;
+    // The normal of a sliver means nothing: one that the chain needs gone may go if nobody will see it.
+    const double shift = flip_shift(mesh(), longest);
+    const bool is_unseen_need = room < need_ && shift <= good_shift_share * c_.options.snap;
+    if (shift > allowed.shift || (check.dihedral > allowed.turn && !is_unseen_need)) continue;
     if (!allowed.cut &&
         cuts_feature(mesh().x[mesh().opposite(longest)], mesh().x[mesh().opposite(mesh().twin(longest))]))
       continue;
