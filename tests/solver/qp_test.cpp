@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "crease/solver/linear_solver.hpp"
 #include "crease/solver/qp_solver.hpp"
 #include "support/qp_problems.hpp"
 
@@ -97,6 +98,38 @@ TEST(RequireValid, RejectsMalformedProblems) {
   rejects([](QpProblem& p) { p.blocks = {0, 1}; });
   rejects([](QpProblem& p) { p.blocks = {0, 1, 1, 2}; });
   rejects([](QpProblem& p) { p.blocks = {1, 2}; });
+}
+
+// A solver that has met the pattern before does not go through it again, but through the values; with blocks stored
+// whole and with holes in them.
+TEST(QpSolver, RejectsMalformedValuesInAPatternItKnows) {
+  support::Random random(2);
+  QpProblem whole = support::cloth_like(random, {.side = 4}), holes = whole;
+  holes.H = SparseMatrix(holes.H.rows(), holes.H.cols());
+  holes.H.setIdentity();
+  for (QpProblem* problem : {&whole, &holes}) {
+    for (const int first : {0, 31}) {
+      const auto solver = make_qp_solver(QpMethod::ActiveSet);
+      LinearSolver linear;
+      ASSERT_EQ(solver->solve(*problem).status, QpStatus::Solved);
+      ASSERT_EQ(linear.solve(*problem).status, QpStatus::Solved);
+      QpProblem spoilt = *problem;
+      spoilt.H.valuePtr()[first] = nan;
+      EXPECT_THROW(solver->solve(spoilt), std::invalid_argument);
+      EXPECT_THROW(linear.solve(spoilt), std::invalid_argument);
+      EXPECT_EQ(solver->solve(*problem).status, QpStatus::Solved);
+    }
+  }
+  const auto solver = make_qp_solver(QpMethod::ActiveSet);
+  for (int column = 0; column < 3; ++column)
+    for (SparseMatrix::InnerIterator entry(whole.H, column); entry; ++entry) {
+      if (entry.row() == column) continue;
+      SCOPED_TRACE(entry.row());
+      ASSERT_EQ(solver->solve(whole).status, QpStatus::Solved);
+      QpProblem spoilt = whole;
+      spoilt.H.coeffRef(entry.row(), column) += 1e-6 * whole.H.diagonal().maxCoeff();
+      EXPECT_THROW(solver->solve(spoilt), std::invalid_argument);
+    }
 }
 
 TEST(QpSolver, RejectsMalformedOptionsAndGuesses) {

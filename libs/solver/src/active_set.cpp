@@ -21,7 +21,7 @@ constexpr double residual_goal = 1e-12;
 }  // namespace
 
 QpResult ActiveSetSolver::solve(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) {
-  require_valid(problem, options, guess);
+  require_valid(problem, options, guess, &reduction_.pattern());
   if (std::optional<QpResult> rest = solve_at_rest(problem)) return *std::move(rest);
   QpResult result;
   if (!reduction_.build(problem)) {
@@ -76,8 +76,6 @@ ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, cons
   kkt_.reset(qp, epsilon);
   WorkingSet set = reduction_.start(guess);
   WorkingSetSearch search(qp, kkt_, options.max_iterations);
-  Anchor anchor{VecX::Zero(qp.size()), VecX::Zero(qp.n_rows())};
-  ReducedPoint point;
   QpResult best, former;
   best.kkt_residual = std::numeric_limits<double>::infinity();
   const auto finish = [&](QpResult answer, QpStatus status, const char* message) {
@@ -87,11 +85,14 @@ ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, cons
     result.message = message;
     return Attempt::Decided;
   };
+  using Precision = WorkingSetSearch::Precision;
   SearchStatus status = SearchStatus::Optimal;
-  for (int step = 0; step < max_proximal_steps; ++step) {
-    status = search.run(anchor, set, point);
+  // What softness or lift leave in the first point is more than rounding, so it is neither refined nor judged.
+  if (proximal) status = search.run(Precision::Plain, set);
+  for (int step = 0; step < max_proximal_steps && status != SearchStatus::Singular; ++step) {
+    status = search.run(Precision::Refined, set);
     if (status == SearchStatus::Singular) break;
-    QpResult now = read_out(problem, set, point, search.gradient(point));
+    QpResult now = read_out(problem, set, search.point(), search.gradient());
     const bool settled = !proximal || !(now.kkt_residual < 0.5 * best.kkt_residual);
     if (now.kkt_residual < best.kkt_residual || best.q.size() == 0) best = now;
     if (best.kkt_residual <= residual_goal || (settled && best.kkt_residual <= options.tolerance))
@@ -104,7 +105,6 @@ ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, cons
         return finish({}, QpStatus::Unbounded, "the objective falls without end along a feasible direction");
     }
     former = std::move(now);
-    anchor = point;
   }
   if (best.kkt_residual <= options.tolerance) return finish(best, QpStatus::Solved, "");
   if (status == SearchStatus::IterationLimit) {

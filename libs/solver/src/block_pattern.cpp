@@ -13,20 +13,34 @@ bool equal(const std::vector<int>& a, const int* b, size_t count) {
   return a.size() == count && std::equal(a.begin(), a.end(), b);
 }
 
+/// Largest difference between a block, `rows` x `columns`, and the transpose of its image; both stand in columns of
+/// the heights given.
+template <int N>
+double asymmetry_of(const double* block, int height, const double* image, int image_height, int rows, int columns) {
+  using View = Eigen::Map<const Eigen::Matrix<double, N, N>, 0, Eigen::OuterStride<>>;
+  const View here(block, rows, columns, Eigen::OuterStride<>(height));
+  const View there(image, columns, rows, Eigen::OuterStride<>(image_height));
+  return (here - there.transpose()).cwiseAbs().maxCoeff();
+}
+
 }  // namespace
 
-bool BlockPattern::update(const QpProblem& problem) {
+bool BlockPattern::is_that_of(const QpProblem& problem) const {
   const SparseMatrix& H = problem.H;
-  const size_t n_outer = static_cast<size_t>(H.outerSize()) + 1;
-  const size_t n_inner = static_cast<size_t>(H.nonZeros());
-  if (revision_ > 0 && given_blocks_ == problem.blocks && equal(given_outer_, H.outerIndexPtr(), n_outer) &&
-      equal(given_inner_, H.innerIndexPtr(), n_inner))
-    return false;
+  return revision_ > 0 && H.rows() == H.cols() && H.isCompressed() && given_blocks_ == problem.blocks &&
+         equal(given_outer_, H.outerIndexPtr(), static_cast<size_t>(H.outerSize()) + 1) &&
+         equal(given_inner_, H.innerIndexPtr(), static_cast<size_t>(H.nonZeros()));
+}
+
+bool BlockPattern::update(const QpProblem& problem) {
+  if (is_that_of(problem)) return false;
+  const SparseMatrix& H = problem.H;
   given_blocks_ = problem.blocks;
-  given_outer_.assign(H.outerIndexPtr(), H.outerIndexPtr() + n_outer);
-  given_inner_.assign(H.innerIndexPtr(), H.innerIndexPtr() + n_inner);
+  given_outer_.assign(H.outerIndexPtr(), H.outerIndexPtr() + H.outerSize() + 1);
+  given_inner_.assign(H.innerIndexPtr(), H.innerIndexPtr() + H.nonZeros());
   set_blocks(problem);
   build_graph(H);
+  find_mirrors();
   ++revision_;
   return true;
 }
@@ -71,6 +85,42 @@ void BlockPattern::build_graph(const SparseMatrix& H) {
   is_full_ = n_values == H.nonZeros();
 }
 
+/// Columns in order meet the blocks of a row in order.
+void BlockPattern::find_mirrors() {
+  mirrors_.clear();
+  if (!is_full_) return;
+  std::vector<int> next(static_cast<size_t>(n_blocks()));  // first value of the block in each column to be met next
+  for (int k = 0; k < n_blocks(); ++k) next[k] = given_outer_[start(k)];
+  for (int k = 0; k < n_blocks(); ++k)
+    for (int at = graph_.outer[k]; at < graph_.outer[k + 1]; ++at) {
+      const int other = graph_.inner[at];
+      if (other <= k) continue;
+      mirrors_.push_back(next[other]);
+      next[other] += size(k);
+    }
+}
+
+double BlockPattern::asymmetry(const SparseMatrix& H) const {
+  const double* values = H.valuePtr();
+  double worst = 0;
+  auto mirror = mirrors_.begin();
+  for (int k = 0; k < n_blocks(); ++k) {
+    const double* block = values + H.outerIndexPtr()[start(k)];
+    for (int at = graph_.outer[k]; at < graph_.outer[k + 1]; ++at) {
+      const int other = graph_.inner[at], rows = size(other);
+      if (other >= k) {
+        const double* image = other == k ? block : values + *mirror++;
+        worst = std::max(worst,
+                         rows == 3 && size(k) == 3
+                             ? asymmetry_of<3>(block, heights_[k], image, heights_[other], 3, 3)
+                             : asymmetry_of<Eigen::Dynamic>(block, heights_[k], image, heights_[other], rows, size(k)));
+      }
+      block += rows;
+    }
+  }
+  return worst;
+}
+
 void BlockPattern::gather(const SparseMatrix& H, double* values) const {
   if (is_full_) {
     std::copy(H.valuePtr(), H.valuePtr() + H.nonZeros(), values);
@@ -103,14 +153,20 @@ VecX multiply(const BlockGraph& graph, const SparseMatrix& H, const VecX& x) {
     const int height = H.outerIndexPtr()[start + 1] - H.outerIndexPtr()[start];
     const double* column = values + H.outerIndexPtr()[start];
     if (size == 3) {
-      Vec3 sum = Vec3::Zero();
+      Vec3 sum[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // additions that need not wait for each other
       for (int at = graph.outer[k]; at < graph.outer[k + 1]; ++at) {
         const int other = graph.starts[graph.inner[at]], rows = graph.size(graph.inner[at]);
-        for (int i = 0; i < rows; ++i)
-          sum += x[other + i] * Vec3(column[i], column[height + i], column[2 * height + i]);
+        const auto add = [&](Vec3& to, int i) {
+          to += x[other + i] * Vec3(column[i], column[height + i], column[2 * height + i]);
+        };
+        if (rows == 3) {
+          add(sum[0], 0), add(sum[1], 1), add(sum[2], 2);
+        } else {
+          for (int i = 0; i < rows; ++i) add(sum[0], i);
+        }
         column += rows;
       }
-      y.segment<3>(start) = sum;
+      y.segment<3>(start) = sum[0] + sum[1] + sum[2];
       continue;
     }
     for (int c = 0; c < size; ++c) {

@@ -15,6 +15,8 @@ VecX multiply(const BlockGraph& graph, const SparseMatrix& H, const VecX& x);
 /// The values of one block column then lie in memory as one dense column-major matrix, `height` x block size.
 class BlockPattern {
  public:
+  /// Whether pattern of H and blocks of `problem` are those of the last update().
+  bool is_that_of(const QpProblem& problem) const;
   /// Follows the pattern of H and the blocks of `problem`. @return whether anything changed since the last call
   bool update(const QpProblem& problem);
 
@@ -31,16 +33,20 @@ class BlockPattern {
 
   /// Whether H stores every entry of its blocks already.
   bool is_full() const { return is_full_; }
+  /// Largest |H_ij - H_ji|. @pre is_full(), and H is of this pattern
+  double asymmetry(const SparseMatrix& H) const;
   /// The values of H, in the order of make_block_matrix().
   void gather(const SparseMatrix& H, double* values) const;
 
  private:
   void set_blocks(const QpProblem& problem);
   void build_graph(const SparseMatrix& H);
+  void find_mirrors();
 
   std::vector<int> given_blocks_, given_outer_, given_inner_;  ///< what update() compares with
   BlockGraph graph_;
   std::vector<int> block_of_, heights_;
+  std::vector<int> mirrors_;  ///< first values of the mirror images of the blocks below the diagonal, column by column
   int revision_ = 0;
   bool is_full_ = false;
 };

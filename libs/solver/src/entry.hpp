@@ -8,8 +8,12 @@
 
 namespace crease {
 
+class BlockPattern;
+
 /// Everything a backend is called with; throws std::invalid_argument.
-void require_valid(const QpProblem& problem, const QpOptions& options, std::span<const char> guess);
+/// @param former  of a problem that was valid: where the pattern of H is the same it is not gone through again
+void require_valid(const QpProblem& problem, const QpOptions& options, std::span<const char> guess,
+                   const BlockPattern* former = nullptr);
 
 /// The answer if it takes no search: nothing pulls and q = 0 is allowed (relative tolerances would have no scale to
 /// hold on to), or there are no unknowns.

@@ -167,10 +167,12 @@ bool KktSystem::solve(const WorkingSet& set, const VecX& f, const VecX& value, c
   const auto n_tied = static_cast<int>(tied_.size()), n_freed = static_cast<int>(freed_.size());
   // What stays held moves to the right-hand side.
   VecX held = VecX::Zero(n);
-  for (int i = 0; i < n; ++i)
-    if (base_[i] && set.held[i]) held[i] = value[i];
   VecX push = f;
-  if ((held.array() != 0).any()) push -= qp_->H * held;
+  for (int i = 0; i < n; ++i) {
+    if (!base_[i] || !set.held[i] || value[i] == 0) continue;
+    held[i] = value[i];
+    for (SparseMatrix::InnerIterator h(qp_->H, i); h; ++h) push[h.row()] -= h.value() * value[i];
+  }
   VecX r = push;
   for (int i = 0; i < n; ++i)
     if (base_[i]) r[i] = 0;

@@ -26,6 +26,7 @@ class KktSystem {
   /// Call whenever a value has changed; `qp` has to stay until the next call.
   void reset(const ReducedQp& qp, double epsilon);
 
+  /// Held coordinates whose value is zero cost nothing.
   /// @return false if the matrix of this working set is singular to working precision
   bool solve(const WorkingSet& set, const VecX& f, const VecX& value, const VecX& rhs, ReducedPoint& point);
 

@@ -40,7 +40,7 @@ LinearSolver::~LinearSolver() = default;
 LinearSolver::LinearSolver(LinearSolver&&) noexcept = default;
 
 QpResult LinearSolver::solve(const QpProblem& problem, const QpOptions& options) {
-  require_valid(problem, options, {});
+  require_valid(problem, options, {}, &impl_->pattern);
   require(problem.b_eq.size() == 0 && problem.b_in.size() == 0, "LinearSolver: expected no constraints, got " +
                                                                     std::to_string(problem.b_eq.size()) + " and " +
                                                                     std::to_string(problem.b_in.size()));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "block_pattern.hpp"
 #include "crease/base/require.hpp"
 #include "entry.hpp"
 
@@ -46,12 +47,17 @@ bool has_sorted_lines(const Sparse& A) {
   return true;
 }
 
+/// How much two mirror images may differ.
+double symmetry_slack(const SparseMatrix& H) {
+  return H.nonZeros() == 0 ? 0.0 : symmetry_tolerance * H.coeffs().abs().maxCoeff();
+}
+
 /// Walks the columns in order; entry (r, c) below the diagonal must meet its mirror as the next one of column r.
 bool is_symmetric(const SparseMatrix& H) {
   const int* outer = H.outerIndexPtr();
   const int* inner = H.innerIndexPtr();
   const double* value = H.valuePtr();
-  const double slack = H.nonZeros() == 0 ? 0.0 : symmetry_tolerance * H.coeffs().abs().maxCoeff();
+  const double slack = symmetry_slack(H);
   std::vector<int> next(outer, outer + H.outerSize());
   for (int c = 0; c < H.outerSize(); ++c) {
     int at = next[c];
@@ -74,6 +80,38 @@ void require_rows(const SparseRows& A, const VecX& b, Eigen::Index n, const std:
           "QpProblem: expected A_" + name + " with " + std::to_string(n) + " columns, got " + std::to_string(A.cols()));
   require(A.isCompressed() && has_sorted_lines(A), "QpProblem: expected A_" + name + " compressed, columns ascending");
   require(is_finite(A) && is_finite(b.data(), b.size()), "QpProblem: expected finite A_" + name + " and b_" + name);
+}
+
+void require_matrix(const QpProblem& problem) {
+  const Eigen::Index n = problem.f.size();
+  const SparseMatrix& H = problem.H;
+  require(H.rows() == n && H.cols() == n, "QpProblem: expected H of size " + std::to_string(n) + ", got " +
+                                              std::to_string(H.rows()) + " x " + std::to_string(H.cols()));
+  require(H.isCompressed() && has_sorted_lines(H), "QpProblem: expected H compressed, rows ascending in each column");
+  require(is_finite(H), "QpProblem: expected finite H and f");
+  require(is_symmetric(H), "QpProblem: expected H symmetric with both triangles stored");
+}
+
+/// The same where the pattern is known to be right.
+void require_values(const SparseMatrix& H, const BlockPattern& pattern) {
+  require(is_finite(H), "QpProblem: expected finite H and f");
+  require(pattern.is_full() ? pattern.asymmetry(H) <= symmetry_slack(H) : is_symmetric(H),
+          "QpProblem: expected H symmetric with both triangles stored");
+}
+
+/// All but H.
+void require_rest(const QpProblem& problem) {
+  const Eigen::Index n = problem.f.size();
+  require(is_finite(problem.f.data(), n), "QpProblem: expected finite H and f");
+  require_rows(problem.A_eq, problem.b_eq, n, "eq");
+  require_rows(problem.A_in, problem.b_in, n, "in");
+  const std::vector<int>& blocks = problem.blocks;
+  if (blocks.empty()) return;
+  require(blocks.front() == 0 && blocks.back() == n, "QpProblem: expected blocks from 0 to " + std::to_string(n) +
+                                                         ", got " + std::to_string(blocks.front()) + " to " +
+                                                         std::to_string(blocks.back()));
+  require(std::adjacent_find(blocks.begin(), blocks.end(), std::greater_equal<int>()) == blocks.end(),
+          "QpProblem: expected strictly ascending blocks");
 }
 
 /// The worst row of a block of constraints, each violation relative to the row's own size.
@@ -109,14 +147,24 @@ struct Product {
 /// Of a symmetric H, whose columns are its rows.
 Product multiply(const SparseMatrix& H, const VecX& q) {
   Product product{VecX(H.cols())};
+  const int* row = H.innerIndexPtr();
+  const double* entry = H.valuePtr();
+  constexpr int chains = 4;  // of additions that need not wait for each other
   for (int c = 0; c < H.outerSize(); ++c) {
-    double value = 0, size = 0;
-    for (SparseMatrix::InnerIterator entry(H, c); entry; ++entry) {
-      value += entry.value() * q[entry.row()];
-      size += std::abs(entry.value());
+    double value[chains] = {}, size[chains] = {};
+    int at = H.outerIndexPtr()[c];
+    const int end = H.isCompressed() ? H.outerIndexPtr()[c + 1] : at + H.innerNonZeroPtr()[c];
+    for (; at + chains <= end; at += chains)
+      for (int k = 0; k < chains; ++k) {
+        value[k] += entry[at + k] * q[row[at + k]];
+        size[k] += std::abs(entry[at + k]);
+      }
+    for (; at < end; ++at) {
+      value[0] += entry[at] * q[row[at]];
+      size[0] += std::abs(entry[at]);
     }
-    product.Hq[c] = value;
-    product.row_sum = std::max(product.row_sum, size);
+    product.Hq[c] = (value[0] + value[1]) + (value[2] + value[3]);
+    product.row_sum = std::max(product.row_sum, (size[0] + size[1]) + (size[2] + size[3]));
   }
   return product;
 }
@@ -140,26 +188,17 @@ const char* to_string(QpStatus status) {
 }
 
 void require_valid(const QpProblem& problem) {
-  const Eigen::Index n = problem.f.size();
-  const SparseMatrix& H = problem.H;
-  require(H.rows() == n && H.cols() == n, "QpProblem: expected H of size " + std::to_string(n) + ", got " +
-                                              std::to_string(H.rows()) + " x " + std::to_string(H.cols()));
-  require(H.isCompressed() && has_sorted_lines(H), "QpProblem: expected H compressed, rows ascending in each column");
-  require(is_finite(H) && is_finite(problem.f.data(), n), "QpProblem: expected finite H and f");
-  require(is_symmetric(H), "QpProblem: expected H symmetric with both triangles stored");
-  require_rows(problem.A_eq, problem.b_eq, n, "eq");
-  require_rows(problem.A_in, problem.b_in, n, "in");
-  const std::vector<int>& blocks = problem.blocks;
-  if (blocks.empty()) return;
-  require(blocks.front() == 0 && blocks.back() == n, "QpProblem: expected blocks from 0 to " + std::to_string(n) +
-                                                         ", got " + std::to_string(blocks.front()) + " to " +
-                                                         std::to_string(blocks.back()));
-  require(std::adjacent_find(blocks.begin(), blocks.end(), std::greater_equal<int>()) == blocks.end(),
-          "QpProblem: expected strictly ascending blocks");
+  require_matrix(problem);
+  require_rest(problem);
 }
 
-void require_valid(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) {
-  require_valid(problem);
+void require_valid(const QpProblem& problem, const QpOptions& options, std::span<const char> guess,
+                   const BlockPattern* former) {
+  if (former != nullptr && former->is_that_of(problem) && problem.f.size() == problem.H.cols())
+    require_values(problem.H, *former);
+  else
+    require_matrix(problem);
+  require_rest(problem);
   require(options.tolerance > 0 && options.max_iterations > 0,
           "QpSolver: expected a positive tolerance and iteration budget");
   require(guess.empty() || static_cast<Eigen::Index>(guess.size()) == problem.b_in.size(),

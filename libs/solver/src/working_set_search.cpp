@@ -28,32 +28,33 @@ double max_abs(const Vector& v) {
 }  // namespace
 
 WorkingSetSearch::WorkingSetSearch(const ReducedQp& qp, KktSystem& kkt, int max_iterations)
-    : qp_(qp), kkt_(kkt), max_iterations_(max_iterations) {}
+    : qp_(qp),
+      kkt_(kkt),
+      point_{VecX::Zero(qp.size()), VecX::Zero(qp.n_rows())},
+      gradient_(-qp.f),
+      max_iterations_(max_iterations) {}
 
-SearchStatus WorkingSetSearch::run(const Anchor& anchor, WorkingSet& set, ReducedPoint& point) {
-  anchor_ = anchor;
-  return exchange_blocks(set, point);
+SearchStatus WorkingSetSearch::run(Precision precision, WorkingSet& set) {
+  anchor_ = point_;
+  precision_ = precision;
+  return exchange_blocks(set);
 }
 
-VecX WorkingSetSearch::gradient(const ReducedPoint& point) const {
-  VecX g = multiply(*qp_.graph, qp_.H, point.u) - qp_.f;
-  if (qp_.n_rows() > 0) g -= qp_.rows.transpose() * point.row_lambda;
-  return g;
+void WorkingSetSearch::update_gradient() {
+  gradient_ = multiply(*qp_.graph, qp_.H, point_.u) - qp_.f;
+  if (qp_.n_rows() > 0) gradient_ -= qp_.rows.transpose() * point_.row_lambda;
 }
 
 /// Puts every wrong sign right at once, as long as that makes them fewer.
-SearchStatus WorkingSetSearch::exchange_blocks(WorkingSet& set, ReducedPoint& point) {
+SearchStatus WorkingSetSearch::exchange_blocks(WorkingSet& set) {
   size_t fewest = std::numeric_limits<size_t>::max();
   for (int patience = patience_limit; patience >= 0;) {
     if (iterations_ >= max_iterations_) return SearchStatus::IterationLimit;
     ++iterations_;
-    if (!solve(set, point)) return SearchStatus::Singular;
-    std::vector<int> flips = wrong(set, signs(point));
-    if (flips.empty()) {
-      refine(set, point);
-      flips = wrong(set, signs(point));
-      if (flips.empty()) return SearchStatus::Optimal;
-    }
+    if (!solve(set)) return SearchStatus::Singular;
+    std::vector<int> flips = wrong(set, signs());
+    if (flips.empty() && precision_ == Precision::Refined && refine(set)) flips = wrong(set, signs());
+    if (flips.empty()) return SearchStatus::Optimal;
     if (flips.size() < fewest) {
       fewest = flips.size();
       patience = patience_limit;
@@ -62,33 +63,33 @@ SearchStatus WorkingSetSearch::exchange_blocks(WorkingSet& set, ReducedPoint& po
     }
     for (const int item : flips) state(set, item) ^= 1;
   }
-  return ascend_dual(set, point);
+  return ascend_dual(set);
 }
 
 /// Adds the most violated constraint, one at a time, and drops those that come to pull. Every constraint admitted
 /// raises the dual objective, so no working set comes back.                                              [GI83]
-SearchStatus WorkingSetSearch::ascend_dual(WorkingSet& set, ReducedPoint& point) {
-  SearchStatus status = make_dual_feasible(set, point);
+SearchStatus WorkingSetSearch::ascend_dual(WorkingSet& set) {
+  SearchStatus status = make_dual_feasible(set);
   while (status == SearchStatus::Optimal) {
-    refine(set, point);
-    const Signs sign = signs(point);
+    refine(set);
+    const Signs sign = signs();
     int worst = -1;
     for (int i = 0; i < sign.slack.size(); ++i)
       if (is_inequality(i) && !state(set, i) && sign.slack[i] < sign.least_slack[i] &&
           (worst < 0 || sign.slack[i] < sign.slack[worst]))
         worst = i;
     if (worst < 0) return SearchStatus::Optimal;
-    status = admit(worst, sign.lambda, set, point);
+    status = admit(worst, sign.lambda, set);
   }
   return status;
 }
 
-SearchStatus WorkingSetSearch::make_dual_feasible(WorkingSet& set, ReducedPoint& point) {
+SearchStatus WorkingSetSearch::make_dual_feasible(WorkingSet& set) {
   for (bool dropped = true; dropped;) {
     if (iterations_ >= max_iterations_) return SearchStatus::IterationLimit;
     ++iterations_;
-    if (!solve(set, point)) return SearchStatus::Singular;
-    const Signs sign = signs(point);
+    if (!solve(set)) return SearchStatus::Singular;
+    const Signs sign = signs();
     dropped = false;
     for (int i = 0; i < sign.lambda.size(); ++i) {
       if (!is_inequality(i) || !state(set, i) || sign.lambda[i] >= sign.least_lambda[i]) continue;
@@ -101,15 +102,15 @@ SearchStatus WorkingSetSearch::make_dual_feasible(WorkingSet& set, ReducedPoint&
 
 /// Moves the multipliers from those of `set` towards those of `set` with `item`; where one would turn negative first,
 /// its constraint leaves and the move goes on from there.
-SearchStatus WorkingSetSearch::admit(int item, const VecX& start_lambda, WorkingSet& set, ReducedPoint& point) {
+SearchStatus WorkingSetSearch::admit(int item, const VecX& start_lambda, WorkingSet& set) {
   VecX lambda = start_lambda.cwiseMax(0.0);
   lambda[item] = 0;
   state(set, item) = 1;
   for (;;) {
     if (++single_iterations_ % single_steps == 0) ++iterations_;
     if (iterations_ >= max_iterations_) return SearchStatus::IterationLimit;
-    if (!solve(set, point)) return SearchStatus::Singular;
-    const Signs sign = signs(point);
+    if (!solve(set)) return SearchStatus::Singular;
+    const Signs sign = signs();
     double step = 1;
     int blocking = -1;
     for (int i = 0; i < lambda.size(); ++i) {
@@ -125,43 +126,60 @@ SearchStatus WorkingSetSearch::admit(int item, const VecX& start_lambda, Working
   }
 }
 
-bool WorkingSetSearch::solve(const WorkingSet& set, ReducedPoint& point) {
-  VecX f = qp_.f, rhs = qp_.rhs;
-  if (kkt_.epsilon() > 0) f += kkt_.epsilon() * anchor_.u;
-  // A row gets its softness when it is first on; until then its anchor is zero.
-  for (int w = 0; w < qp_.n_rows(); ++w) rhs[w] += kkt_.delta(w) * anchor_.row_lambda[w];
-  return kkt_.solve(set, f, qp_.bound, rhs, point);
-}
-
-/// Solves again for what is left of the equations of `set`.
-void WorkingSetSearch::refine(const WorkingSet& set, ReducedPoint& point) {
-  const VecX nothing = VecX::Zero(qp_.size());
-  for (int pass = 0; pass < refinements; ++pass) {
-    const VecX g = gradient(point);
-    VecX rest = -g;
-    if (kkt_.epsilon() > 0) rest -= kkt_.epsilon() * (point.u - anchor_.u);
-    for (int i = 0; i < qp_.size(); ++i)
-      if (set.held[i]) rest[i] = 0;
-    VecX row_rest = qp_.rhs - qp_.rows * point.u;
-    for (int w = 0; w < qp_.n_rows(); ++w) {
-      row_rest[w] -= kkt_.delta(w) * (point.row_lambda[w] - anchor_.row_lambda[w]);
-      if (!set.on[w]) row_rest[w] = 0;
-    }
-    if (max_abs(rest) <= rounding_share * std::max(max_abs(qp_.f), max_abs(g)) &&
-        max_abs(row_rest) <= rounding_share * std::max(max_abs(qp_.rhs), max_abs(point.u)))
-      return;
-    ReducedPoint correction;
-    if (!kkt_.solve(set, rest, nothing, row_rest, correction)) return;
-    point.u += correction.u;
-    point.row_lambda += correction.row_lambda;
+WorkingSetSearch::Rest WorkingSetSearch::rest(const WorkingSet& set) const {
+  Rest rest{-gradient_, qp_.rhs - qp_.rows * point_.u};
+  if (kkt_.epsilon() > 0) rest.force -= kkt_.epsilon() * (point_.u - anchor_.u);
+  for (int i = 0; i < qp_.size(); ++i)
+    if (set.held[i]) rest.force[i] = 0;  // its multiplier takes it up
+  for (int w = 0; w < qp_.n_rows(); ++w) {
+    // A row gets its softness when it is first on; until then its multiplier and the anchor's are zero.
+    rest.rows[w] -= kkt_.delta(w) * (point_.row_lambda[w] - anchor_.row_lambda[w]);
+    if (!set.on[w]) rest.rows[w] = 0;
   }
+  return rest;
 }
 
-WorkingSetSearch::Signs WorkingSetSearch::signs(const ReducedPoint& point) const {
+bool WorkingSetSearch::is_rounding(const Rest& rest) const {
+  return max_abs(rest.force) <= rounding_share * std::max(max_abs(qp_.f), max_abs(gradient_)) &&
+         max_abs(rest.rows) <= rounding_share * std::max(max_abs(qp_.rhs), max_abs(point_.u));
+}
+
+/// Moves the point to the solution of the equations of `set`.
+bool WorkingSetSearch::solve(const WorkingSet& set) {
+  bool let_go = false;  // multipliers of rows that are off now
+  for (int w = 0; w < qp_.n_rows(); ++w)
+    if (!set.on[w] && point_.row_lambda[w] != 0) point_.row_lambda[w] = 0, let_go = true;
+  if (let_go) update_gradient();
+  const Rest missing = rest(set);
+  VecX way = VecX::Zero(qp_.size());  // of the held coordinates to their bounds
+  for (int i = 0; i < qp_.size(); ++i)
+    if (set.held[i]) way[i] = qp_.bound[i] - point_.u[i];
+  ReducedPoint correction;
+  if (!kkt_.solve(set, missing.force, way, missing.rows, correction)) return false;
+  point_.u += correction.u;
+  point_.row_lambda += correction.row_lambda;
+  for (int i = 0; i < qp_.size(); ++i)
+    if (set.held[i]) point_.u[i] = qp_.bound[i];
+  update_gradient();
+  return true;
+}
+
+/// Solves again as long as more than rounding is left of the equations of `set`. @return whether it had to
+bool WorkingSetSearch::refine(const WorkingSet& set) {
+  bool moved = false;
+  for (int pass = 0; pass < refinements && !is_rounding(rest(set)); ++pass) {
+    if (!solve(set)) break;
+    moved = true;
+  }
+  return moved;
+}
+
+WorkingSetSearch::Signs WorkingSetSearch::signs() const {
+  const ReducedPoint& point = point_;
   const int n = qp_.size();
   const int m = qp_.n_rows();
   Signs sign{VecX(n + m), VecX(n + m), VecX(), VecX()};
-  sign.lambda << gradient(point), point.row_lambda;
+  sign.lambda << gradient_, point.row_lambda;
   if (kkt_.epsilon() > 0) sign.lambda.head(n) += kkt_.epsilon() * (point.u - anchor_.u);
   sign.slack << point.u - qp_.bound, qp_.rows * point.u - qp_.rhs;
   for (int w = 0; w < m; ++w) sign.slack[n + w] += kkt_.delta(w) * (point.row_lambda[w] - anchor_.row_lambda[w]);
