@@ -143,6 +143,31 @@ TEST(Assembler, KeptPatternGivesTheBytesOfAFreshOne) {
   EXPECT_EQ(again.force, first.force);
 }
 
+// Enough faces to be shared out, and a second step in the pattern kept.
+TEST(Assembler, GivesTheSameBytesOnAnyNumberOfThreads) {
+  const Cloth cloth = random_cloth(14, 18, 0.02, 5);
+  const DofMap dofs = make_dof_map(cloth);
+  Assembler one;
+  const AssembledSystem& expected = one.assemble(cloth, dofs, material, options, h, false);
+  for (const int threads : {2, 3, 8}) {
+    SCOPED_TRACE(threads);
+    Assembler several(threads);
+    for (const bool same_topology : {false, true}) {
+      const AssembledSystem& system = several.assemble(cloth, dofs, material, options, h, same_topology);
+      EXPECT_EQ((MatX(system.H) - MatX(expected.H)).norm(), 0);
+      EXPECT_EQ(system.rhs, expected.rhs);
+      EXPECT_EQ(system.force, expected.force);
+      EXPECT_EQ(system.kinetic_energy, expected.kinetic_energy);
+      EXPECT_EQ(system.membrane_energy, expected.membrane_energy);
+      EXPECT_EQ(system.bending_energy, expected.bending_energy);
+      EXPECT_EQ(system.gravitational_energy, expected.gravitational_energy);
+      EXPECT_EQ(system.momentum, expected.momentum);
+      EXPECT_EQ(system.angular_momentum, expected.angular_momentum);
+    }
+  }
+  EXPECT_THROW(Assembler(0), std::invalid_argument);
+}
+
 TEST(Assembler, LeavesFlapCouplingsOutWithoutBending) {
   const Cloth cloth = make_cloth(make_grid({.cells = {6, 5}, .pattern = GridPattern::Right}));
   const DofMap dofs = make_dof_map(cloth);

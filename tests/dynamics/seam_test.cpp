@@ -62,6 +62,21 @@ TEST(SewnCloth, HasTheSystemAndTheEnergiesOfOneSheet) {
   }
 }
 
+// Vertices that are tied share columns, so they must not be shared out to two threads.
+TEST(SewnCloth, HasTheSameSystemOnAnyNumberOfThreads) {
+  Mesh mesh = support::grid(GridPattern::Cross, 16, 16);
+  support::Rng rng(8);
+  support::crumple(mesh, rng, 0.005);
+  const Cloth cloth = make_cloth(support::cut_and_sew(mesh, [](const Vec2& c) { return c.x() < 0.5 ? 0 : 1; }).mesh);
+  ASSERT_TRUE(cloth.mesh.has_seams());
+  const DofMap dofs = make_dof_map(cloth);
+  Assembler one, three(3);
+  const AssembledSystem& expected = one.assemble(cloth, dofs, material, {}, h, false);
+  const AssembledSystem& system = three.assemble(cloth, dofs, material, {}, h, false);
+  EXPECT_EQ((MatX(system.H) - MatX(expected.H)).norm(), 0);
+  EXPECT_EQ(system.rhs, expected.rhs);
+}
+
 // An Eulerian vertex beside a seam: force is minus the energy's gradient in x, also through the hinge over the seam.
 TEST(SewnCloth, ForceIsMinusTheEnergyGradientBesideASeam) {
   Pair cloths([](const Vec2& c) { return c.x() < 0.6 ? 0 : 1; });

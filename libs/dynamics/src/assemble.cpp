@@ -4,6 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <vector>
 
 #include "block_pattern.hpp"
 #include "crease/base/require.hpp"
@@ -12,6 +17,7 @@
 #include "crease/dynamics/membrane.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "element.hpp"
+#include "shares.hpp"
 
 namespace crease {
 
@@ -21,11 +27,12 @@ using Mat5 = Eigen::Matrix<double, 5, 5>;
 
 // B_i^T W B_j with B = (I, -F): a world block in the unknowns (xdot, Xdot) of two vertices.                [Eq. 10]
 Mat5 to_eol_block(const Mat3& W, const Mat32& F_i, const Mat32& F_j, bool diagonal) {
+  const Mat32 WF = W * F_j;
   Mat5 block;
   block.topLeftCorner<3, 3>() = W;
-  block.topRightCorner<3, 2>() = -W * F_j;
-  block.bottomLeftCorner<2, 3>() = -F_i.transpose() * W;
-  block.bottomRightCorner<2, 2>() = F_i.transpose() * W * F_j;
+  block.topRightCorner<3, 2>() = -WF;
+  block.bottomLeftCorner<2, 3>().noalias() = -F_i.transpose() * W;
+  block.bottomRightCorner<2, 2>().noalias() = F_i.transpose() * WF;
   if (diagonal) {  // symmetric up to rounding: make it exact
     for (int row = 1; row < 5; ++row) {
       for (int col = 0; col < row; ++col) block(row, col) = block(col, row);
@@ -34,7 +41,23 @@ Mat5 to_eol_block(const Mat3& W, const Mat32& F_i, const Mat32& F_j, bool diagon
   return block;
 }
 
-// One pass over the elements of a cloth, adding into a system laid out by `pattern`.
+// Adds a block of 3 unknowns by 3, or its transpose, to columns `stride` long.
+inline void add_to(double* values, int stride, const Mat3& W) {
+  for (int col = 0; col < 3; ++col) {
+    for (int row = 0; row < 3; ++row) values[col * stride + row] += W(row, col);
+  }
+}
+
+inline void add_transposed_to(double* values, int stride, const Mat3& W) {
+  for (int col = 0; col < 3; ++col) {
+    for (int row = 0; row < 3; ++row) values[col * stride + row] += W(col, row);
+  }
+}
+
+// Faces from which on it is worth starting threads, each of which takes some 20 microseconds of it.
+constexpr int least_shared = 500;
+
+// One pass over the elements of a share, adding into its part of a system laid out by `pattern`.
 struct Pass {
   const Cloth& cloth;
   const DofMap& dofs;
@@ -42,13 +65,18 @@ struct Pass {
   const DynamicsOptions& options;
   const BlockPattern& pattern;
   double stiffness_scale;  // h^2 + h damping [s^2]
+  const Share& share;
   AssembledSystem& system;
-  Energies energies = {};
+  std::vector<Energies>& face_energies;  // one a face
+  std::vector<double>& hinge_energies;   // one a hinge
 
-  void add_face(int f);
-  void add_hinge(const BlockPattern::HingeBlocks& blocks);
+  void run();
 
  private:
+  bool owns(int vertex) const { return share.owned[vertex] != 0; }
+  void clear();
+  void add_face(int f);
+  void add_hinge(int hinge);
   void add_face_matrix(const FaceState& face, const Mat9& stiffness, const BlockPattern::FaceBlocks& blocks);
   void add_velocity_terms(const FaceState& face);
   void add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const BendingElement& element,
@@ -57,20 +85,37 @@ struct Pass {
   void add_force(int vertex, const Vec3& f, const Mat32& F);
 };
 
+void Pass::run() {
+  clear();
+  for (const int f : share.faces) add_face(f);
+  for (const int hinge : share.hinges) add_hinge(hinge);
+}
+
+void Pass::clear() {
+  const int* const first = system.H.outerIndexPtr();
+  for (const int v : share.vertices) {
+    const int begin = dofs.start[v], end = dofs.start[v + 1];
+    std::fill(system.H.valuePtr() + first[begin], system.H.valuePtr() + first[end], 0.0);
+    system.rhs.segment(begin, end - begin).setZero();
+    system.force.segment(begin, end - begin).setZero();
+  }
+}
+
 // Entry (i, j) of an element whose F is given, and its transpose (j, i); i == j once.
 void Pass::add_block(int i, int j, int at_ij, int at_ji, const Mat3& W, const Mat32& F_i, const Mat32& F_j) {
   double* const values = system.H.valuePtr();
   const Mat5 block = to_eol_block(W, F_i, F_j, i == j);
   const int rows = dofs.is_eol(i) ? 5 : 3, cols = dofs.is_eol(j) ? 5 : 3;
-  for (int col = 0; col < cols; ++col) {
-    for (int row = 0; row < rows; ++row) {
-      values[at_ij + col * pattern.stride[j] + row] += block(row, col);
-      if (i != j) values[at_ji + row * pattern.stride[i] + col] += block(row, col);
-    }
+  for (int col = 0; col < cols && owns(j); ++col) {
+    for (int row = 0; row < rows; ++row) values[at_ij + col * pattern.stride[j] + row] += block(row, col);
+  }
+  for (int row = 0; row < rows && i != j && owns(i); ++row) {
+    for (int col = 0; col < cols; ++col) values[at_ji + row * pattern.stride[i] + col] += block(row, col);
   }
 }
 
 void Pass::add_force(int vertex, const Vec3& f, const Mat32& F) {
+  if (!owns(vertex)) return;
   system.force.segment<3>(dofs.x(vertex)) += f;
   if (dofs.is_eol(vertex)) system.force.segment<2>(dofs.X(vertex)) -= F.transpose() * f;
 }
@@ -86,13 +131,8 @@ void Pass::add_face_matrix(const FaceState& face, const Mat9& stiffness, const B
         add_block(face.vertex[i], face.vertex[j], at_ij, at_ji, W, face.F, face.F);
         continue;
       }
-      const int stride_i = pattern.stride[face.vertex[i]], stride_j = pattern.stride[face.vertex[j]];
-      for (int col = 0; col < 3; ++col) {
-        for (int row = 0; row < 3; ++row) {
-          values[at_ij + col * stride_j + row] += W(row, col);
-          if (i != j) values[at_ji + row * stride_i + col] += W(row, col);
-        }
-      }
+      if (owns(face.vertex[j])) add_to(values + at_ij, pattern.stride[face.vertex[j]], W);
+      if (i != j && owns(face.vertex[i])) add_transposed_to(values + at_ji, pattern.stride[face.vertex[i]], W);
     }
   }
 }
@@ -102,6 +142,7 @@ void Pass::add_velocity_terms(const FaceState& face) {
   const Vec15 C = eol_velocity_terms(face.state, material.density);
   for (int i = 0; i < 3; ++i) {
     const int v = face.vertex[i];
+    if (!owns(v)) continue;
     system.force.segment<3>(dofs.x(v)) -= C.segment<3>(3 * i);
     if (dofs.is_eol(v)) system.force.segment<2>(dofs.X(v)) -= C.segment<2>(9 + 2 * i);
   }
@@ -111,11 +152,11 @@ void Pass::add_face(int f) {
   const FaceState face = read_face(cloth, f, material.density);
   const MembraneElement membrane = membrane_element(face.state.X, face.state.x, material);
   add_face_matrix(face, membrane.stiffness, pattern.faces[f]);
-  add_rigid_part(face, options.gravity, energies);
-  energies.membrane += membrane.energy;
+  if (owns(face.vertex[0])) face_energies[f] = energies_of(face, options.gravity, membrane.energy);
 
   for (int i = 0; i < 3; ++i) {
     const int v = face.vertex[i];
+    if (!owns(v)) continue;
     add_force(v, membrane.force.segment<3>(3 * i) + face.mass / 3 * options.gravity, face.F);
     system.rhs.segment<3>(dofs.x(v)) += face.motion.p[i];
     if (dofs.is_eol(v)) system.rhs.segment<2>(dofs.X(v)) -= face.F.transpose() * face.motion.p[i];
@@ -124,7 +165,7 @@ void Pass::add_face(int f) {
   const Mat32 g = barycentric_gradients(face.state.X);
   for (int i = 0; i < 3; ++i) {
     const int v = face.vertex[i];
-    if (dofs.is_eol(v)) system.force.segment<2>(dofs.X(v)) -= membrane.energy * g.row(i).transpose();
+    if (dofs.is_eol(v) && owns(v)) system.force.segment<2>(dofs.X(v)) -= membrane.energy * g.row(i).transpose();
   }
   if (options.velocity_terms) add_velocity_terms(face);
 }
@@ -132,7 +173,8 @@ void Pass::add_face(int f) {
 // On a hinge with an Eulerian vertex F is the plain mean of its two faces. At an unstretched fold the bending force is
 // along (F_0 - F_1) N and |F_0 N| = |F_1 N|, so this mean, and no other, lets bending push the fold nowhere. Across a
 // seam each face has its own material axes, so each side has its own F; on the seam itself no vertex is Eulerian.
-void Pass::add_hinge(const BlockPattern::HingeBlocks& blocks) {
+void Pass::add_hinge(int hinge) {
+  const BlockPattern::HingeBlocks& blocks = pattern.hinges[hinge];
   const Mesh& mesh = cloth.mesh;
   const std::array<int, 4>& v = blocks.hinge.vertex;
   const BendingElement element = bending_element(flat_hinge(mesh, blocks.hinge), material.bending);
@@ -142,7 +184,7 @@ void Pass::add_hinge(const BlockPattern::HingeBlocks& blocks) {
     curvature += element.k[i] * mesh.x[v[i]];
     eol = eol || dofs.is_eol(v[i]);
   }
-  energies.bending += 0.5 * element.c * curvature.squaredNorm();
+  if (owns(v[0])) hinge_energies[hinge] = 0.5 * element.c * curvature.squaredNorm();
 
   std::array<Mat32, 2> F{Mat32::Zero(), Mat32::Zero()};  // for face 0 and the edge; for the opposite in face 1
   if (eol) {
@@ -158,12 +200,17 @@ void Pass::add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const Bendi
                             const std::array<Mat32, 2>* F) {
   double* const values = system.H.valuePtr();
   const std::array<int, 4>& v = blocks.hinge.vertex;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 4; ++j) {
+  for (int j = 0; j < 4; ++j) {
+    const int diagonal = pattern.stride[v[j]] + 1;
+    if (F == nullptr && !owns(v[j])) continue;
+    for (int i = 0; i < 4; ++i) {
       const double w = stiffness_scale * element.c * (element.k[i] * element.k[j]);  // same bits for (j, i)
       const int at = blocks.at[4 * i + j];
       if (F == nullptr) {
-        for (int axis = 0; axis < 3; ++axis) values[at + axis * (pattern.stride[v[j]] + 1)] += w;
+        double* const block = values + at;
+        block[0] += w;
+        block[diagonal] += w;
+        block[2 * diagonal] += w;
       } else if (i <= j) {
         add_block(v[i], v[j], at, blocks.at[4 * j + i], w * Mat3::Identity(), (*F)[i / 3], (*F)[j / 3]);
       }
@@ -174,29 +221,37 @@ void Pass::add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const Bendi
 }  // namespace
 
 struct Assembler::Impl {
+  int threads = 1;
   AssembledSystem system;
   BlockPattern pattern;
+  std::vector<Share> shares;
+  std::vector<Energies> face_energies;
+  std::vector<double> hinge_energies;
   bool with_hinges = false;
 
-  void clear(const Mesh& mesh, const DofMap& dofs, bool bends, bool same_topology);
-  void finish(const Energies& energies, double h);
+  void lay_out(const Mesh& mesh, const DofMap& dofs, bool bends, bool same_topology);
+  void finish(double h);
 };
 
-void Assembler::Impl::clear(const Mesh& mesh, const DofMap& dofs, bool bends, bool same_topology) {
+void Assembler::Impl::lay_out(const Mesh& mesh, const DofMap& dofs, bool bends, bool same_topology) {
   const bool fits = system.H.rows() == dofs.size() && with_hinges == bends &&
                     pattern.faces.size() == static_cast<std::size_t>(mesh.n_faces());
-  if (same_topology && fits) {
-    std::fill_n(system.H.valuePtr(), system.H.nonZeros(), 0.0);
-  } else {
-    pattern = make_block_pattern(mesh, dofs, bends, system.H);
-    with_hinges = bends;
-  }
-  system.rhs.setZero(dofs.size());
-  system.force.setZero(dofs.size());
+  if (same_topology && fits) return;
+  pattern = make_block_pattern(mesh, dofs, bends, system.H);
+  with_hinges = bends;
+  shares = share_out(mesh, dofs, pattern, mesh.n_faces() < least_shared ? 1 : threads);
+  system.rhs.resize(dofs.size());
+  system.force.resize(dofs.size());
+  face_energies.resize(pattern.faces.size());
+  hinge_energies.resize(pattern.hinges.size());
 }
 
-void Assembler::Impl::finish(const Energies& energies, double h) {
+// Energies are added up here, in one order for any number of threads.
+void Assembler::Impl::finish(double h) {
   system.rhs += h * system.force;
+  Energies energies;
+  for (const Energies& face : face_energies) add(face, energies);
+  for (const double bending : hinge_energies) energies.bending += bending;
   system.kinetic_energy = energies.kinetic;
   system.membrane_energy = energies.membrane;
   system.bending_energy = energies.bending;
@@ -205,7 +260,10 @@ void Assembler::Impl::finish(const Energies& energies, double h) {
   system.angular_momentum = energies.angular_momentum;
 }
 
-Assembler::Assembler() : impl_(std::make_unique<Impl>()) {}
+Assembler::Assembler(int threads) : impl_(std::make_unique<Impl>()) {
+  require(threads >= 1, "Assembler: expected at least one thread, got " + std::to_string(threads));
+  impl_->threads = threads;
+}
 Assembler::~Assembler() = default;
 Assembler::Assembler(Assembler&&) noexcept = default;
 Assembler& Assembler::operator=(Assembler&&) noexcept = default;
@@ -218,17 +276,32 @@ const AssembledSystem& Assembler::assemble(const Cloth& cloth, const DofMap& dof
   require(std::isfinite(h) && h > 0, "Assembler: expected a time step > 0 [s]");
   require_valid(material);
 
-  impl_->clear(cloth.mesh, dofs, material.bending > 0, same_topology);
-  Pass pass{.cloth = cloth,
-            .dofs = dofs,
-            .material = material,
-            .options = options,
-            .pattern = impl_->pattern,
-            .stiffness_scale = h * (h + material.damping),
-            .system = impl_->system};
-  for (int f = 0; f < cloth.mesh.n_faces(); ++f) pass.add_face(f);
-  for (const BlockPattern::HingeBlocks& hinge : impl_->pattern.hinges) pass.add_hinge(hinge);
-  impl_->finish(pass.energies, h);
+  impl_->lay_out(cloth.mesh, dofs, material.bending > 0, same_topology);
+  const auto run = [&](const Share& share) {
+    Pass{.cloth = cloth,
+         .dofs = dofs,
+         .material = material,
+         .options = options,
+         .pattern = impl_->pattern,
+         .stiffness_scale = h * (h + material.damping),
+         .share = share,
+         .system = impl_->system,
+         .face_energies = impl_->face_energies,
+         .hinge_energies = impl_->hinge_energies}
+        .run();
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t k = 1; k < impl_->shares.size(); ++k) {
+      try {
+        threads.emplace_back(run, std::cref(impl_->shares[k]));
+      } catch (const std::system_error&) {
+        run(impl_->shares[k]);  // no more threads to be had
+      }
+    }
+    run(impl_->shares[0]);
+  }
+  impl_->finish(h);
   return impl_->system;
 }
 

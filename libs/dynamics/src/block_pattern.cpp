@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "crease/base/require.hpp"
 
@@ -11,64 +12,59 @@ namespace crease {
 
 namespace {
 
-// Vertices coupled to each vertex, itself included, ascending; `row` is the offset of their rows inside a column.
-struct Couplings {
-  std::vector<int> start, vertex, row;
+// The elements at each vertex, as n_corners * element + corner. Tied vertices are listed as the one that owns their
+// unknowns.
+struct Incidence {
+  std::vector<int> start, corner;
 
-  int row_of(int i, int j) const {
-    const auto begin = vertex.begin() + start[j], end = vertex.begin() + start[j + 1];
-    const auto found = std::lower_bound(begin, end, i);
-    CREASE_ASSERT(found != end && *found == i);
-    return row[found - vertex.begin()];
+  std::span<const int> at(int vertex) const {
+    return std::span(corner).subspan(start[vertex], start[vertex + 1] - start[vertex]);
   }
 };
 
-// Sorts each vertex' list and drops what is repeated.
-void sort_unique(Couplings& couplings) {
-  int out = 0, begin = 0;
-  for (std::size_t j = 0; j + 1 < couplings.start.size(); ++j) {
-    const int end = couplings.start[j + 1];
-    const auto first = couplings.vertex.begin() + begin;
-    std::sort(first, couplings.vertex.begin() + end);
-    const auto last = std::unique(first, couplings.vertex.begin() + end);
-    couplings.start[j] = out;
-    out = static_cast<int>(std::copy(first, last, couplings.vertex.begin() + out) - couplings.vertex.begin());
-    begin = end;
+template <class VerticesOf>
+Incidence make_incidence(const DofMap& dofs, int n_elements, int n_corners, VerticesOf vertices_of) {
+  const auto n = dofs.start.size() - 1;
+  Incidence incidence{std::vector<int>(n + 1, 0), std::vector<int>(n_elements * n_corners)};
+  for (int e = 0; e < n_elements; ++e) {
+    for (const int v : vertices_of(e)) ++incidence.start[dofs.owner(v) + 1];
   }
-  couplings.start.back() = out;
-  couplings.vertex.resize(out);
+  for (std::size_t v = 0; v < n; ++v) incidence.start[v + 1] += incidence.start[v];
+  std::vector<int> next(incidence.start.begin(), incidence.start.end() - 1);
+  for (int e = 0; e < n_elements; ++e) {
+    for (int c = 0; c < n_corners; ++c) incidence.corner[next[dofs.owner(vertices_of(e)[c])]++] = n_corners * e + c;
+  }
+  return incidence;
 }
 
-Couplings make_couplings(const Mesh& mesh, const DofMap& dofs, std::span<const Hinge> hinges) {
+// Vertices coupled to each vertex, itself included, ascending; `row` is the offset of their rows inside a column.
+struct Couplings {
+  std::vector<int> start, vertex, row;
+};
+
+// Of a vertex: all corners of its faces, and the other flap of the hinges of which it is one; all else stands in a
+// face.
+Couplings make_couplings(const Mesh& mesh, const DofMap& dofs, std::span<const Hinge> hinges, const Incidence& faces_at,
+                         const Incidence& hinges_at) {
   const int n = mesh.n_vertices();
   Couplings couplings;
-  couplings.start.assign(n + 1, 0);
-  // Every face lists its three corners at each corner; a hinge adds the pair of flaps, all else stands in a face. Tied
-  // vertices are listed as the one that owns their unknowns.
-  const auto owner = [&](int v) { return dofs.owner(v); };
-  for (int f = 0; f < mesh.n_faces(); ++f) {
-    for (const int v : mesh.face(f)) couplings.start[owner(v) + 1] += 3;
-  }
-  for (const Hinge& hinge : hinges) {
-    ++couplings.start[owner(hinge.vertex[2]) + 1];
-    ++couplings.start[owner(hinge.vertex[3]) + 1];
-  }
-  for (int v = 0; v < n; ++v) couplings.start[v + 1] += couplings.start[v];
-
-  couplings.vertex.resize(couplings.start[n]);
-  std::vector<int> next(couplings.start.begin(), couplings.start.end() - 1);
-  for (int f = 0; f < mesh.n_faces(); ++f) {
-    for (const int v : mesh.face(f)) {
-      for (const int w : mesh.face(f)) couplings.vertex[next[owner(v)]++] = owner(w);
+  couplings.start.assign(1, 0);
+  couplings.vertex.reserve(13 * static_cast<std::size_t>(n));
+  std::vector<int> seen_by(n, Mesh::none);
+  for (int j = 0; j < n; ++j) {
+    const auto add = [&](int v) {
+      const int owner = dofs.owner(v);
+      if (std::exchange(seen_by[owner], j) != j) couplings.vertex.push_back(owner);
+    };
+    for (const int at : faces_at.at(j)) {
+      for (const int v : mesh.face(at / 3)) add(v);
     }
+    for (const int at : hinges_at.at(j)) {
+      if (at % 4 >= 2) add(hinges[at / 4].vertex[at % 4 == 2 ? 3 : 2]);
+    }
+    std::sort(couplings.vertex.begin() + couplings.start.back(), couplings.vertex.end());
+    couplings.start.push_back(static_cast<int>(couplings.vertex.size()));
   }
-  for (const Hinge& hinge : hinges) {
-    const int left = owner(hinge.vertex[2]), right = owner(hinge.vertex[3]);
-    couplings.vertex[next[left]++] = right;
-    couplings.vertex[next[right]++] = left;
-  }
-  sort_unique(couplings);
-
   couplings.row.resize(couplings.vertex.size());
   for (int j = 0; j < n; ++j) {
     for (int k = couplings.start[j], row = 0; k < couplings.start[j + 1]; ++k) {
@@ -144,23 +140,25 @@ std::array<Vec2, 4> flat_hinge(const Mesh& mesh, const Hinge& hinge) {
 
 BlockPattern make_block_pattern(const Mesh& mesh, const DofMap& dofs, bool with_hinges, SparseMatrix& matrix) {
   const std::vector<Hinge> hinges = with_hinges ? all_hinges(mesh) : std::vector<Hinge>{};
-  const Couplings couplings = make_couplings(mesh, dofs, hinges);
+  const int n_hinges = static_cast<int>(hinges.size());
+  const Incidence faces_at = make_incidence(dofs, mesh.n_faces(), 3, [&](int f) { return mesh.face(f); });
+  const Incidence hinges_at = make_incidence(dofs, n_hinges, 4, [&](int e) { return hinges[e].vertex; });
+  const Couplings couplings = make_couplings(mesh, dofs, hinges, faces_at, hinges_at);
   BlockPattern pattern;
   pattern.stride = lay_out(couplings, dofs, matrix);
-  const auto first_value = [&](int i, int j) {
-    return matrix.outerIndexPtr()[dofs.x(j)] + couplings.row_of(dofs.owner(i), dofs.owner(j));
-  };
   pattern.faces.resize(mesh.n_faces());
-  for (int f = 0; f < mesh.n_faces(); ++f) {
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) pattern.faces[f].at[3 * i + j] = first_value(mesh.face(f)[i], mesh.face(f)[j]);
-    }
-  }
   pattern.hinges.reserve(hinges.size());
-  for (const Hinge& hinge : hinges) {
-    BlockPattern::HingeBlocks& blocks = pattern.hinges.emplace_back(BlockPattern::HingeBlocks{hinge, {}});
-    for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) blocks.at[4 * i + j] = first_value(hinge.vertex[i], hinge.vertex[j]);
+  for (const Hinge& hinge : hinges) pattern.hinges.push_back({hinge, {}});
+  std::vector<int> first(mesh.n_vertices());  // of each vertex' rows in the columns of vertex j: its first value
+  for (int j = 0; j < mesh.n_vertices(); ++j) {
+    for (int k = couplings.start[j]; k < couplings.start[j + 1]; ++k)
+      first[couplings.vertex[k]] = matrix.outerIndexPtr()[dofs.x(j)] + couplings.row[k];
+    for (const int at : faces_at.at(j)) {
+      for (int i = 0; i < 3; ++i) pattern.faces[at / 3].at[3 * i + at % 3] = first[dofs.owner(mesh.face(at / 3)[i])];
+    }
+    for (const int at : hinges_at.at(j)) {
+      BlockPattern::HingeBlocks& blocks = pattern.hinges[at / 4];
+      for (int i = 0; i < 4; ++i) blocks.at[4 * i + at % 4] = first[dofs.owner(blocks.hinge.vertex[i])];
     }
   }
   return pattern;

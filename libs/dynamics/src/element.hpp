@@ -42,7 +42,8 @@ struct FaceState {
 
 FaceState read_face(const Cloth& cloth, int face, double density);
 
-/// Adds a face's kinetic and gravitational energy and its momenta.
-void add_rigid_part(const FaceState& face, const Vec3& gravity, Energies& energies);
+/// What a face carries: all but the bending energy.
+Energies energies_of(const FaceState& face, const Vec3& gravity, double membrane);
+void add(const Energies& part, Energies& sum);
 
 }  // namespace crease

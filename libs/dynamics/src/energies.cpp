@@ -32,14 +32,26 @@ FaceState read_face(const Cloth& cloth, int face, double density) {
   return out;
 }
 
-void add_rigid_part(const FaceState& face, const Vec3& gravity, Energies& energies) {
-  energies.kinetic += face.motion.kinetic_energy;
+Energies energies_of(const FaceState& face, const Vec3& gravity, double membrane) {
+  Energies energies;
+  energies.kinetic = face.motion.kinetic_energy;
+  energies.membrane = membrane;
   for (int i = 0; i < 3; ++i) {
     const Vec3& x = face.state.x[i];
     energies.gravitational -= face.mass / 3 * gravity.dot(x);
     energies.momentum += face.motion.p[i];
     energies.angular_momentum += x.cross(face.motion.p[i]);
   }
+  return energies;
+}
+
+void add(const Energies& part, Energies& sum) {
+  sum.kinetic += part.kinetic;
+  sum.membrane += part.membrane;
+  sum.bending += part.bending;
+  sum.gravitational += part.gravitational;
+  sum.momentum += part.momentum;
+  sum.angular_momentum += part.angular_momentum;
 }
 
 Energies measure_energies(const Cloth& cloth, const Material& material, const Vec3& gravity) {
@@ -49,8 +61,7 @@ Energies measure_energies(const Cloth& cloth, const Material& material, const Ve
   Energies energies;
   for (int f = 0; f < mesh.n_faces(); ++f) {
     const FaceState face = read_face(cloth, f, material.density);
-    add_rigid_part(face, gravity, energies);
-    energies.membrane += membrane_element(face.state.X, face.state.x, material).energy;
+    add(energies_of(face, gravity, membrane_energy(face.state.X, face.state.x, material)), energies);
   }
   if (material.bending == 0) return energies;
   for (const Hinge& hinge : all_hinges(mesh)) {

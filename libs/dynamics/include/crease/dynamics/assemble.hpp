@@ -31,7 +31,9 @@ struct AssembledSystem {
 /// set changed.
 class Assembler {
  public:
-  Assembler();
+  Assembler() : Assembler(1) {}
+  /// @param threads  >= 1; any number gives the same bytes
+  explicit Assembler(int threads);
   ~Assembler();
   Assembler(Assembler&&) noexcept;
   Assembler& operator=(Assembler&&) noexcept;

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "block_pattern.hpp"
+
+namespace crease {
+
+/// The columns of some vertices, and all that adds to them. What touches the columns of two shares is computed by both,
+/// each of which keeps its own part: so every number of the system is the same sum for any number of shares.
+struct Share {
+  std::vector<char> owned;         ///< one a vertex
+  std::vector<int> vertices;       ///< owned ones that have unknowns
+  std::vector<int> faces, hinges;  ///< with a vertex among those owned, ascending
+};
+
+/// Strips of the sheet with equally many vertices, across its longer side.
+std::vector<Share> share_out(const Mesh& mesh, const DofMap& dofs, const BlockPattern& pattern, int n_shares);
+
+}  // namespace crease
