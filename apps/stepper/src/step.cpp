@@ -55,8 +55,15 @@ std::vector<PosedObstacle> pose_all(std::span<const Obstacle> obstacles, double 
   return posed;
 }
 
-QpProblem make_problem(const AssembledSystem& system, const ConstraintRows& rows, const DofMap& dofs) {
-  return {system.H, system.rhs, rows.A_eq, rows.A_in, rows.b_eq, rows.b_in, dof_blocks(dofs)};
+/// Into the memory of the last step's.
+void make_problem(const AssembledSystem& system, const ConstraintRows& rows, const DofMap& dofs, QpProblem& problem) {
+  problem.H = system.H;
+  problem.f = system.rhs;
+  problem.A_eq = rows.A_eq;
+  problem.A_in = rows.A_in;
+  problem.b_eq = rows.b_eq;
+  problem.b_in = rows.b_in;
+  problem.blocks = dof_blocks(dofs);
 }
 
 bool all_finite(const Cloth& cloth) {
@@ -189,6 +196,7 @@ struct SheetStepper::Impl {
   std::vector<std::array<int, 3>> faces;
   std::vector<char> eol;
   std::map<RowKey, char> active;  // activity of the last solution, by row
+  QpProblem problem;
 
   // The stages of Algorithm 1, in order; false = the step failed and the report says why.
   void detect(Work& work);
@@ -250,7 +258,7 @@ void SheetStepper::Impl::renumber(const std::vector<int>& vertex_map) {
 }
 
 SheetStepper::SheetStepper(SheetSettings settings, Stages stages)
-    : impl_(std::make_unique<Impl>(Impl{std::move(settings), std::move(stages), {}, {}, nullptr, {}, {}, {}})) {
+    : impl_(std::make_unique<Impl>(Impl{std::move(settings), std::move(stages), {}, {}, nullptr, {}, {}, {}, {}})) {
   require_valid(impl_->settings.material);
   require(impl_->stages.solve || !impl_->stages.constrain,
           "SheetStepper: expected a solve stage, as there is one that constrains; got an empty function");
@@ -315,7 +323,7 @@ void SheetStepper::Impl::constrain(Work& work) {
 }
 
 bool SheetStepper::Impl::solve(Work& work) {
-  const QpProblem problem = make_problem(*system, work.rows, work.dofs);
+  make_problem(*system, work.rows, work.dofs, problem);
   work.solution = stages.solve ? stages.solve(problem, guess(work)) : linear.solve(problem);
   const QpResult& solution = work.solution;
   work.report.qp_iterations += solution.iterations;
