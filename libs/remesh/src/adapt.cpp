@@ -68,11 +68,10 @@ class Adapter {
         surroundings_(obstacles, options.threshold),
         shift_allowed_(std::min(threshold_share * options.threshold, shift_share * options.size[0])),
         moved_(static_cast<std::size_t>(cloth.mesh.face_slots()), 0.0),
-        sizes_(vertex_sizes(cloth, options)) {}
+        sizes_(vertex_sizes(cloth, options)),
+        has_chains_(cloth.n_eol() > 0) {}
 
   RemeshResult run() && {
-    edges_ = mesh().edges();
-    everywhere_ = true;
     make_room_for_chains();
     for (int round = 0; round < max_rounds && !spent_; ++round) {
       touched_.clear();
@@ -107,7 +106,7 @@ class Adapter {
   void make_room_for_chains();
   void flip_around(std::vector<int> stack);
   std::array<int, 3> corners_from(int h) const;
-  bool is_worse_diagonal(int h) const;
+  bool is_worse_diagonal(int h, const std::array<int, 3>& corners) const;
   std::optional<double> should_flip(int h);
   void split_long_edges();
   Tensor mean_size(int h) const;
@@ -120,7 +119,8 @@ class Adapter {
   void touch(const std::vector<int>& faces);
   bool look_again();
   void look_at_edges();
-  Candidate candidate(int h) const;
+  void look_at(int h, const std::array<int, 3>& corners);
+  Candidate candidate(const std::array<int, 3>& corners) const;
   void push_splits(Queue& queue, const std::vector<int>& halfedges) const;
   void push_collapse(Queue& queue, const Candidate& edge) const;
   GuardLimits limits(double moved) const { return {shift_allowed_ - moved, normal_turn, surroundings_}; }
@@ -134,8 +134,8 @@ class Adapter {
   std::vector<double> moved_;  // by face: what this pass has moved the surface there at most [m]
   std::vector<Tensor> sizes_;
   int budget_ = 0;  // made when it is first needed
-  bool spent_ = false, everywhere_ = true;
-  std::vector<int> edges_;    // what this round looks at
+  bool has_chains_, spent_ = false, everywhere_ = true;
+  std::vector<int> edges_;    // what this round looks at, if not everywhere
   std::vector<int> touched_;  // corners of the faces that it changed
   int n_seen_ = 0;            // operations when edges_ was made
   // What looking at edges_ found: what to flip, split and try to collapse.
@@ -195,10 +195,7 @@ void Adapter::touch(const std::vector<int>& faces) {
 bool Adapter::look_again() {
   if (operations() == n_seen_) return false;
   n_seen_ = operations();
-  if (everywhere_) {
-    edges_ = mesh().edges();
-    return true;
-  }
+  if (everywhere_) return true;
   for (const int h : edges_)
     if (mesh().face_live(Mesh::face_of(h))) touched_.insert(touched_.end(), {mesh().from(h), mesh().to(h)});
   edges_ = edges_at(mesh(), touched_);
@@ -212,24 +209,37 @@ std::array<int, 3> Adapter::corners_from(int h) const {
   return {corners[k], corners[k == 2 ? 0 : k + 1], corners[k == 0 ? 2 : k - 1]};
 }
 
-Candidate Adapter::candidate(int h) const {
-  const auto [from, to, opposite] = corners_from(h);
+Candidate Adapter::candidate(const std::array<int, 3>& corners) const {
+  const auto [from, to, opposite] = corners;
   return {squared_length(from, to), std::min(from, to), std::max(from, to)};
 }
 
+void Adapter::look_at(int h, const std::array<int, 3>& corners) {
+  if (is_worse_diagonal(h, corners)) worse_.push_back(h);
+  const Candidate edge = candidate(corners);
+  if (is_long(edge)) long_.push_back(edge);
+  if (is_short(edge)) short_.push_back(edge);
+}
+
+// Every edge once, by its canonical half-edge, in ascending order.
 void Adapter::look_at_edges() {
   worse_.clear(), long_.clear(), short_.clear();
-  for (const int h : edges_) {
-    if (is_worse_diagonal(h)) worse_.push_back(h);
-    const Candidate edge = candidate(h);
-    if (is_long(edge)) long_.push_back(edge);
-    if (is_short(edge)) short_.push_back(edge);
+  if (!everywhere_) {
+    for (const int h : edges_) look_at(h, corners_from(h));
+    return;
+  }
+  for (int f = 0; f < mesh().face_slots(); ++f) {
+    if (!mesh().face_live(f)) continue;
+    const auto [a, b, c] = mesh().face(f);
+    if (const int h = 3 * f; mesh().edge_of(h) == h) look_at(h, {a, b, c});
+    if (const int h = 3 * f + 1; mesh().edge_of(h) == h) look_at(h, {b, c, a});
+    if (const int h = 3 * f + 2; mesh().edge_of(h) == h) look_at(h, {c, a, b});
   }
 }
 
 void Adapter::push_splits(Queue& queue, const std::vector<int>& halfedges) const {
   for (const int h : halfedges)
-    if (const Candidate edge = candidate(h); is_long(edge)) queue.push(edge);
+    if (const Candidate edge = candidate(corners_from(h)); is_long(edge)) queue.push(edge);
 }
 
 void Adapter::push_collapse(Queue& queue, const Candidate& edge) const {
@@ -252,15 +262,15 @@ void Adapter::make_room_for_chains() {
 }
 
 // Whether the other diagonal of the quadrilateral round edge h would be the better one.
-bool Adapter::is_worse_diagonal(int h) const {
+bool Adapter::is_worse_diagonal(int h, const std::array<int, 3>& corners) const {
   const int g = mesh().twin(h);
   if (g == Mesh::none || mesh().tag(h) != 0) return false;
-  const auto [a, c, b] = corners_from(h);
+  const auto [a, c, b] = corners;
   const int d = corners_from(g)[2];
   Tensor M = sizes_[a] + sizes_[b] + sizes_[c] + sizes_[d];
   // Next to a chain roundness in material space itself counts: it keeps the chain's way ahead open. But an edge that
   // would only be split again is not made.
-  if (cloth().is_eol(a) || cloth().is_eol(b) || cloth().is_eol(c) || cloth().is_eol(d)) {
+  if (has_chains_ && (cloth().is_eol(a) || cloth().is_eol(b) || cloth().is_eol(c) || cloth().is_eol(d))) {
     if (squared_length(b, d) > std::max(split_above * split_above, squared_length(a, c))) return false;
     M = Tensor::isotropic(1);
   }
@@ -269,7 +279,7 @@ bool Adapter::is_worse_diagonal(int h) const {
 }
 
 std::optional<double> Adapter::should_flip(int h) {
-  if (!is_worse_diagonal(h)) return std::nullopt;
+  if (!is_worse_diagonal(h, corners_from(h))) return std::nullopt;
   const double moved = std::max(moved_[Mesh::face_of(h)], moved_[Mesh::face_of(mesh().twin(h))]);
   return allowed(judge_flip(cloth(), h, limits(moved)), moved);
 }
@@ -373,7 +383,7 @@ void Adapter::collapse(int p, int q, double moved, Queue& queue) {
   for (const int f : done.faces) sides.insert(sides.end(), {3 * f, 3 * f + 1, 3 * f + 2});
   flip_around(std::move(sides));
   for (const int h : halfedges_around(mesh(), done.into))
-    if (const Candidate edge = candidate(h); is_short(edge)) push_collapse(queue, edge);
+    if (const Candidate edge = candidate(corners_from(h)); is_short(edge)) push_collapse(queue, edge);
 }
 
 }  // namespace

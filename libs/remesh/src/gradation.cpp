@@ -33,19 +33,24 @@ void limit_gradation(const Mesh& mesh, std::vector<Tensor>& tensors) {
   std::vector<int> queue;
   std::vector<char> waits(tensors.size(), 0);
   const auto pass_on = [&](int from, int to) {
-    if (!spread(tensors[from], tensors[to], mesh.X[to] - mesh.X[from]) || waits[to]) return;
+    if (!spread(tensors[from], tensors[to], mesh.X[to] - mesh.X[from])) return false;
+    if (!waits[to]) queue.push_back(to);
     waits[to] = 1;
-    queue.push_back(to);
+    return true;
+  };
+  // Of two tensors one of which encloses the other, it has nothing to take from that one.
+  const auto pass_both_ways = [&](int a, int b) {
+    const double slack = tensors[a].radius - tensors[b].radius;
+    const bool is_one_in_other = (tensors[a].centre - tensors[b].centre).squaredNorm() <= slack * slack;
+    const bool is_raised = (!is_one_in_other || slack > 0) && pass_on(a, b);
+    if (!is_one_in_other || slack < 0 || is_raised) pass_on(b, a);
   };
   for (int f = 0; f < mesh.face_slots(); ++f) {
     if (!mesh.face_live(f)) continue;
-    const std::array<int, 3>& corners = mesh.face(f);
-    for (int k = 0; k < 3; ++k) {
-      if (mesh.twin(3 * f + k) > 3 * f + k) continue;
-      const int a = corners[k], b = corners[k == 2 ? 0 : k + 1];
-      pass_on(a, b);
-      pass_on(b, a);
-    }
+    const auto [a, b, c] = mesh.face(f);
+    if (mesh.twin(3 * f) < 3 * f) pass_both_ways(a, b);
+    if (mesh.twin(3 * f + 1) < 3 * f + 1) pass_both_ways(b, c);
+    if (mesh.twin(3 * f + 2) < 3 * f + 2) pass_both_ways(c, a);
   }
   const std::size_t budget = max_visits * tensors.size();
   for (std::size_t i = 0; i < queue.size() && i < budget; ++i) {

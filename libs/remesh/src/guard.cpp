@@ -89,14 +89,37 @@ bool leaves_features(const Cloth& cloth, int vertex, const Target& target, doubl
   return surroundings.allow(swept, shift, held);
 }
 
-// What Ring::shift will be; most candidates on a curved sheet fail by it, and it costs little.
+// Which side of a line something is on: 1, -1, or 0 where rounding may decide.
+int certain_side(double left, double right) {
+  constexpr double rounding = 1e-14;  // a few units of the products that it is the difference of
+  const double difference = left - right, bound = rounding * (std::abs(left) + std::abs(right));
+  return difference > bound ? 1 : difference < -bound ? -1 : 0;
+}
+
+// What Ring::shift will be; most candidates on a curved sheet fail by it, and it costs little. The face that holds the
+// vertex lies, seen from the target, to both sides of it; where none surely does, all are asked.
 double left_behind(const Mesh& mesh, int vertex, const Target& target) {
+  const Vec2 P = mesh.X[vertex] - target.X;
   NearestFace nearest;
-  mesh.all_outgoing(vertex, [&](int h) {
+  const auto is_left = [&](int h) { return mesh.to(h) != target.a && mesh.opposite(h) != target.a; };
+  const auto ask = [&](int h) {
     const int s = mesh.to(h), t = mesh.opposite(h);
-    if (s != target.a && t != target.a)
-      offer(nearest, {target.X, mesh.X[s], mesh.X[t]}, {target.x, mesh.x[s], mesh.x[t]}, mesh.X[vertex],
-            mesh.x[vertex]);
+    offer(nearest, {target.X, mesh.X[s], mesh.X[t]}, {target.x, mesh.x[s], mesh.x[t]}, mesh.X[vertex], mesh.x[vertex]);
+  };
+  int holder = Mesh::none;
+  const bool is_certain = mesh.all_outgoing(vertex, [&](int h) {
+    if (!is_left(h)) return true;
+    const Vec2 S = mesh.X[mesh.to(h)] - target.X, T = mesh.X[mesh.opposite(h)] - target.X;
+    const int after = certain_side(S.x() * P.y(), S.y() * P.x()), before = certain_side(P.x() * T.y(), P.y() * T.x());
+    if (after > 0 && before > 0) holder = h;
+    return after != 0 && before != 0;
+  });
+  if (is_certain && holder != Mesh::none) {
+    ask(holder);
+    return nearest.shift;
+  }
+  mesh.all_outgoing(vertex, [&](int h) {
+    if (is_left(h)) ask(h);
     return true;
   });
   return nearest.shift;

@@ -186,7 +186,7 @@ Account sum_over(int n, FaceAt face_at, const Cloth& cloth, const Frame& frame) 
     const int f = face_at(place);
     if (!mesh.face_live(f)) continue;
     const auto& [i, j, k] = mesh.face(f);
-    const double area = 0.5 * cross2(mesh.X[j] - mesh.X[i], mesh.X[k] - mesh.X[i]);
+    const double area = 0.5 * cross2(mesh.X[j] - mesh.X[i], mesh.X[k] - mesh.X[i]), twelfth = area / 12;
     Vec3 w0 = cloth.v[i], w1 = cloth.v[j], w2 = cloth.v[k];
     if (cloth.is_eol(i) || cloth.is_eol(j) || cloth.is_eol(k)) {
       const std::array<Vec3, 3> w = corner_velocities(cloth, f);
@@ -196,10 +196,10 @@ Account sum_over(int n, FaceAt face_at, const Cloth& cloth, const Frame& frame) 
     const Vec3 x0 = mesh.x[i] - frame.origin, x1 = mesh.x[j] - frame.origin, x2 = mesh.x[k] - frame.origin;
     const Vec3 x = x0 + x1 + x2, w = w0 + w1 + w2;
     sum.area += area;
-    sum.moment += area / 3 * x;
-    sum.linear += area / 3 * w;
-    sum.angular += area / 12 * (x.cross(w) + x0.cross(w0) + x1.cross(w1) + x2.cross(w2));
-    sum.kinetic += area / 24 * (w.squaredNorm() + w0.squaredNorm() + w1.squaredNorm() + w2.squaredNorm());
+    sum.moment += 4 * twelfth * x;
+    sum.linear += 4 * twelfth * w;
+    sum.angular += twelfth * (x.cross(w) + x0.cross(w0) + x1.cross(w1) + x2.cross(w2));
+    sum.kinetic += 0.5 * twelfth * (w.squaredNorm() + w0.squaredNorm() + w1.squaredNorm() + w2.squaredNorm());
   }
   return sum;
 }

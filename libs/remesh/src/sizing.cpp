@@ -26,10 +26,11 @@ namespace {
 struct Normals {
   std::vector<Vec3> face;    // unit, zero where there is none
   std::vector<Vec3> shared;  // unit
-  std::vector<int> corner;   // into `shared`, one a half-edge: its origin's
+  std::vector<int> corner;   // into `shared`, one a half-edge: its origin's; empty where there is no chain
 
   explicit Normals(const Mesh& mesh);
-  const Vec3& at(int h) const { return shared[corner[h]]; }
+  /// @param vertex  where half-edge h begins
+  const Vec3& at(int h, int vertex) const { return shared[corner.empty() ? vertex : corner[h]]; }
 
  private:
   void split_at_chain(const Mesh& mesh, int vertex);
@@ -45,7 +46,7 @@ struct WeightedNormal {
   double longest2;  // squared longest side
 };
 
-WeightedNormal weighted_normal(const Mesh& mesh, int face) {
+inline WeightedNormal weighted_normal(const Mesh& mesh, int face) {
   const std::array<int, 3>& corners = mesh.face(face);
   const Vec3 a = mesh.x[corners[1]] - mesh.x[corners[0]], b = mesh.x[corners[2]] - mesh.x[corners[0]];
   const Vec3 opposite2((b - a).squaredNorm(), b.squaredNorm(), a.squaredNorm());
@@ -55,20 +56,22 @@ WeightedNormal weighted_normal(const Mesh& mesh, int face) {
 
 Normals::Normals(const Mesh& mesh)
     : face(static_cast<std::size_t>(mesh.face_slots()), Vec3::Zero()),
-      shared(static_cast<std::size_t>(mesh.vertex_slots()), Vec3::Zero()),
-      corner(3 * face.size(), 0) {
+      shared(static_cast<std::size_t>(mesh.vertex_slots()), Vec3::Zero()) {
   std::vector<int> on_chain;
   for (int f = 0; f < mesh.face_slots(); ++f) {
     if (!mesh.face_live(f)) continue;
     const auto [normal, weights, longest2] = weighted_normal(mesh, f);
     const double length = normal.norm();
     if (length > degenerate * longest2) face[f] = normal * (1 / length);
+    const std::array<int, 3>& corners = mesh.face(f);
     for (int k = 0; k < 3; ++k) {
-      const int h = 3 * f + k, v = mesh.from(h);
-      corner[h] = v;
-      shared[v] += weights[k] * normal;
-      if (mesh.tag(h) != 0) on_chain.insert(on_chain.end(), {v, mesh.to(h)});
+      shared[corners[k]] += weights[k] * normal;
+      if (mesh.tag(3 * f + k) != 0) on_chain.insert(on_chain.end(), {corners[k], mesh.to(3 * f + k)});
     }
+  }
+  if (!on_chain.empty()) {
+    corner.resize(3 * face.size());
+    for (int h = 0; h < static_cast<int>(corner.size()); ++h) corner[h] = mesh.from(h);
   }
   std::sort(on_chain.begin(), on_chain.end());
   on_chain.erase(std::unique(on_chain.begin(), on_chain.end()), on_chain.end());
@@ -208,7 +211,8 @@ Tensor Field::limited(const Tensor& M) const {
 Tensor Field::face_tensor(int f, const MaterialFrame& frame) const {
   const auto& [i, j, k] = mesh.face(f);
   const Mat32 F = frame.gradient(mesh.x[i], mesh.x[j], mesh.x[k]);
-  const Tensor NtN = Tensor::gram(frame.gradient(normals.at(3 * f), normals.at(3 * f + 1), normals.at(3 * f + 2)));
+  const Tensor NtN =
+      Tensor::gram(frame.gradient(normals.at(3 * f, i), normals.at(3 * f + 1, j), normals.at(3 * f + 2, k)));
   std::array<Tensor, 4> terms;
   std::size_t n = 0;
   const auto add = [&](const Tensor& term) {
