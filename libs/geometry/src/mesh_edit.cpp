@@ -23,22 +23,6 @@ bool contains(const std::array<int, 3>& face, int v) {
   return face[0] == v || face[1] == v || face[2] == v;
 }
 
-// Whether the border edge that a collapse along the border leaves would run between the same two places as another one,
-// the other way round, which is what a seam is: so it goes at the open end of a tube, with the third vertex from last.
-bool closes_a_seam(const Mesh& mesh, int vertex, int into) {
-  if (!mesh.has_seams() || !mesh.is_border_vertex(vertex)) return false;
-  const std::vector<int> around = mesh.neighbours(vertex);  // from the next one on the border to the one before
-  const int after = around.front(), before = around.back();
-  if (into != after && into != before) return false;
-  int v = after;
-  do {
-    const int out = mesh.halfedge(v);
-    if (mesh.is_border(out) && mesh.are_tied(mesh.to(out), before)) return true;
-    v = mesh.tied(v);
-  } while (v != after);
-  return false;
-}
-
 }  // namespace
 
 // -- bookkeeping shared by the operations ----------------------------------------------------------------------------
@@ -217,10 +201,19 @@ Mesh::Collapse Mesh::collapse(int h) {
   return collapse_vertex(from(h), to(h));
 }
 
+// The two sides of a seam share no face, nor would they share an edge: what one collapse does leaves the other as it
+// is.
 bool Mesh::can_collapse_vertex(int vertex, int into, double min_area) const {
+  if (!can_collapse_side(vertex, into, min_area)) return false;
+  if (!on_seam(vertex)) return !closes_a_seam(vertex, into);
+  if (!seam_allows_collapse(vertex, into)) return false;
+  const Ends there = across_seam(vertex, into);
+  return can_collapse_side(there.vertex, there.into, min_area);
+}
+
+bool Mesh::can_collapse_side(int vertex, int into, double min_area) const {
   const int edge = find_edge(vertex, into);
   if (edge == none || !tags_allow_collapse(vertex, edge) || !links_allow_collapse(vertex, into, edge)) return false;
-  if (on_seam(vertex) || closes_a_seam(*this, vertex, into)) return false;
   return all_outgoing(vertex, [&](int h) {
     const int b = to(h), c = opposite(h);
     if (b == into || c == into) return true;
@@ -262,9 +255,17 @@ bool Mesh::tags_allow_collapse(int vertex, int edge) const {
 
 Mesh::Collapse Mesh::collapse_vertex(int vertex, int into) {
   CREASE_ASSERT(can_collapse_vertex(vertex, into));
-  Collapse result{vertex, into, {}, {}};
-  const auto fan = outgoing(vertex);
-  for (const int h : fan) {
+  Collapse result{vertex, into, {}, {}, across_seam(vertex, into)};
+  collapse_side(result, vertex, into);
+  if (result.tied.vertex == none) return result;
+  collapse_side(result, result.tied.vertex, result.tied.into);
+  for (const int gone : {vertex, result.tied.vertex}) tied_[gone] = gone;
+  return result;
+}
+
+void Mesh::collapse_side(Collapse& result, int vertex, int into) {
+  const auto first_removed = static_cast<std::ptrdiff_t>(result.removed_faces.size());
+  for (const int h : outgoing(vertex)) {
     const int f = face_of(h);
     if (contains(faces_[f], into)) {
       result.removed_faces.push_back(f);
@@ -274,7 +275,8 @@ Mesh::Collapse Mesh::collapse_vertex(int vertex, int into) {
     }
   }
   std::vector<int> anchors;
-  for (const int f : result.removed_faces) {
+  for (auto removed = result.removed_faces.begin() + first_removed; removed != result.removed_faces.end(); ++removed) {
+    const int f = *removed;
     // The face's side between the two ends vanishes; the other two become one edge.
     int k = 0;
     while (faces_[f][(k + 2) % 3] == vertex || faces_[f][(k + 2) % 3] == into) ++k;
@@ -294,7 +296,6 @@ Mesh::Collapse Mesh::collapse_vertex(int vertex, int into) {
   for (const int h : anchors) {
     if (face_live(face_of(h))) anchor(h);
   }
-  return result;
 }
 
 }  // namespace crease

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -6,6 +7,14 @@
 #include "crease/geometry/mesh.hpp"
 
 namespace crease {
+
+namespace {
+
+// A seam that bends by less [rad], and divisions of its two sides that differ by less, are straight and the same:
+// splits leave 1e-16 of |X| over the edge's length behind, about 1e-13.
+constexpr double seam_tolerance = 1e-9;
+
+}  // namespace
 
 bool Mesh::are_tied(int a, int b) const {
   int v = a;
@@ -27,6 +36,13 @@ int Mesh::seam_twin(int h) const {
     v = tied(v);
   } while (v != b);
   return none;
+}
+
+Mesh::Ends Mesh::across_seam(int vertex, int into) const {
+  if (!has_seams()) return {};
+  const int h = find_edge(vertex, into), g = h == none ? none : seam_twin(h);
+  if (g == none) return {};
+  return from(h) == vertex ? Ends{to(g), from(g)} : Ends{from(g), to(g)};
 }
 
 // At the end of a seam one vertex belongs to both sides.
@@ -51,6 +67,45 @@ bool Mesh::has_double(int h) const {
     if (is_border(out) && are_tied(to(out), to(h))) return true;
   }
   return false;
+}
+
+// Whether a border edge runs between the places of a and b, in either direction.
+bool Mesh::are_joined(int a, int b) const {
+  for (const auto& [start, end] : {std::pair{a, b}, std::pair{b, a}}) {
+    int v = start;
+    do {
+      const int out = vertex_halfedge_[v];
+      if (is_border(out) && are_tied(to(out), end)) return true;
+      v = tied(v);
+    } while (v != start);
+  }
+  return false;
+}
+
+// Whether the border edge that a collapse along the border leaves would run between the same two places as another one,
+// which is what a seam is: so it goes at the open end of a tube, with the third vertex from last.
+bool Mesh::closes_a_seam(int vertex, int into) const {
+  if (!has_seams() || !is_border_vertex(vertex)) return false;
+  const std::vector<int> around = neighbours(vertex);  // from the next one on the border to the one before
+  const int after = around.front(), before = around.back();
+  return (into == after || into == before) && are_joined(after, before);
+}
+
+// Whether a seam is the same without `vertex` and the one tied to it, which go along it.
+bool Mesh::seam_allows_collapse(int vertex, int into) const {
+  const std::vector<int> around = neighbours(vertex);
+  if (into != around.front() && into != around.back()) return false;
+  const int back = into == around.front() ? around.back() : around.front();
+  const Ends there = across_seam(vertex, into), behind = across_seam(vertex, back);
+  const int other = there.vertex;
+  // An end that both sides share stays, and so does the last vertex before it, unless it goes the other way.
+  if (other == none || other != behind.vertex || other == vertex || there.into == into) return false;
+  if (tied(vertex) != other || tied(other) != vertex || are_joined(into, back)) return false;
+  if (border_turn(vertex) > seam_tolerance || border_turn(other) > seam_tolerance) return false;
+  const double ahead = (X[into] - X[vertex]).norm(), rest = (X[back] - X[vertex]).norm();
+  const double ahead_there = (X[there.into] - X[other]).norm(), rest_there = (X[behind.into] - X[other]).norm();
+  return std::abs(ahead * rest_there - rest * ahead_there) <=
+         seam_tolerance * (ahead + rest) * (ahead_there + rest_there);
 }
 
 std::optional<std::string> Mesh::seam_trouble() const {

@@ -354,7 +354,11 @@ bool Adapter::leaves_short_edges(int p, int q) const {
 
 std::optional<double> Adapter::should_collapse(int p, int q) {
   if (!leaves_short_edges(p, q)) return std::nullopt;
-  const double moved = moved_around(p);
+  double moved = moved_around(p);
+  if (const Mesh::Ends tied = mesh().across_seam(p, q); tied.vertex != Mesh::none) {
+    if (!leaves_short_edges(tied.vertex, tied.into)) return std::nullopt;
+    moved = std::max(moved, moved_around(tied.vertex));
+  }
   return allowed(judge_collapse(cloth(), p, q, limits(moved)), moved);
 }
 
@@ -382,8 +386,11 @@ void Adapter::collapse(int p, int q, double moved, Queue& queue) {
   std::vector<int> sides;
   for (const int f : done.faces) sides.insert(sides.end(), {3 * f, 3 * f + 1, 3 * f + 2});
   flip_around(std::move(sides));
-  for (const int h : halfedges_around(mesh(), done.into))
-    if (const Candidate edge = candidate(corners_from(h)); is_short(edge)) push_collapse(queue, edge);
+  for (const int into : {done.into, done.tied.into}) {
+    if (into == Mesh::none) continue;
+    for (const int h : halfedges_around(mesh(), into))
+      if (const Candidate edge = candidate(corners_from(h)); is_short(edge)) push_collapse(queue, edge);
+  }
 }
 
 }  // namespace

@@ -134,12 +134,19 @@ std::array<int, 2> Editor::flip(int h) {
 }
 
 Mesh::Collapse Editor::collapse(int vertex, int into) {
+  std::vector<int> faces = faces_around(mesh(), vertex), payers = mesh().neighbours(vertex);
+  const int tied = mesh().across_seam(vertex, into).vertex;
+  if (tied != Mesh::none) {
+    const std::vector<int> faces_there = faces_around(mesh(), tied), payers_there = mesh().neighbours(tied);
+    faces.insert(faces.end(), faces_there.begin(), faces_there.end());
+    payers.insert(payers.end(), payers_there.begin(), payers_there.end());
+  }
   Mesh::Collapse done;
-  change_patch(faces_around(mesh(), vertex), mesh().neighbours(vertex), [&]() -> const std::vector<int>& {
+  change_patch(faces, std::move(payers), [&]() -> const std::vector<int>& {
     done = cloth_.mesh.collapse_vertex(vertex, into);
     return done.faces;
   });
-  ++report_.collapses;
+  report_.collapses += tied == Mesh::none ? 1 : 2;
   return done;
 }
 

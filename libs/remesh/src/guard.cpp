@@ -125,6 +125,22 @@ double left_behind(const Mesh& mesh, int vertex, const Target& target) {
   return nearest.shift;
 }
 
+// What becomes of the vertex's own panel.
+Verdict judge_removal(const Cloth& cloth, int vertex, int into, const GuardLimits& limits) {
+  const Mesh& mesh = cloth.mesh;
+  const Target target = at_vertex(mesh, into);
+  if (left_behind(mesh, vertex, target) > limits.shift) return {RefusalReason::WouldMoveSurface};
+  if (!mesh.can_collapse_vertex(vertex, into)) return {RefusalReason::NotManifold};
+  const Ring ring = ring_after(cloth, vertex, target);
+  if (!ring.sound) return {RefusalReason::WouldInvert};
+  if (ring.angle < std::min(least_angle, ring.angle_before)) return {RefusalReason::TooThin};
+  if (ring.turn > limits.turn) return {RefusalReason::WouldMoveSurface};
+  const double shift = shift_after(cloth, vertex, target, ring);
+  if (shift > limits.shift) return {RefusalReason::WouldMoveSurface};
+  if (!leaves_features(cloth, vertex, target, shift, limits.surroundings)) return {RefusalReason::NearObstacle};
+  return {std::nullopt, shift};
+}
+
 }  // namespace
 
 Target at_vertex(const Mesh& mesh, int vertex) {
@@ -209,7 +225,7 @@ Verdict judge_flip(const Cloth& cloth, int h, const GuardLimits& limits) {
   return {std::nullopt, shift};
 }
 
-// A chain is thinned along itself only: its ends, its corners and its course stay.
+// A chain is thinned along itself only: its ends, its corners and its course stay. A seam is thinned on both sides.
 Verdict judge_collapse(const Cloth& cloth, int vertex, int into, const GuardLimits& limits) {
   const Mesh& mesh = cloth.mesh;
   if (cloth.pins[vertex] != 0) return {RefusalReason::Pinned};
@@ -217,19 +233,13 @@ Verdict judge_collapse(const Cloth& cloth, int vertex, int into, const GuardLimi
   if (cloth.is_eol(vertex) &&
       (!along_chain || cloth.feature[vertex].kind != FeatureKind::Edge || mesh.is_border_vertex(vertex)))
     return {RefusalReason::WouldLoseChain};
-  if (mesh.on_seam(vertex)) return {RefusalReason::OnSeam};
+  if (mesh.on_seam(vertex) && !mesh.can_collapse_vertex(vertex, into)) return {RefusalReason::OnSeam};
   if (mesh.is_material_corner(vertex)) return {RefusalReason::AtCorner};
-  const Target target = at_vertex(mesh, into);
-  if (left_behind(mesh, vertex, target) > limits.shift) return {RefusalReason::WouldMoveSurface};
-  if (!mesh.can_collapse_vertex(vertex, into)) return {RefusalReason::NotManifold};
-  const Ring ring = ring_after(cloth, vertex, target);
-  if (!ring.sound) return {RefusalReason::WouldInvert};
-  if (ring.angle < std::min(least_angle, ring.angle_before)) return {RefusalReason::TooThin};
-  if (ring.turn > limits.turn) return {RefusalReason::WouldMoveSurface};
-  const double shift = shift_after(cloth, vertex, target, ring);
-  if (shift > limits.shift) return {RefusalReason::WouldMoveSurface};
-  if (!leaves_features(cloth, vertex, target, shift, limits.surroundings)) return {RefusalReason::NearObstacle};
-  return {std::nullopt, shift};
+  const Verdict here = judge_removal(cloth, vertex, into, limits);
+  const Mesh::Ends tied = mesh.across_seam(vertex, into);
+  if (here.trouble || tied.vertex == Mesh::none) return here;
+  const Verdict there = judge_removal(cloth, tied.vertex, tied.into, limits);
+  return there.trouble ? there : Verdict{std::nullopt, std::max(here.shift, there.shift)};
 }
 
 Verdict judge_slide(const Cloth& cloth, int vertex, const Target& target, double least_altitude,

@@ -21,8 +21,8 @@ namespace crease {
 ///
 /// Seams. Panels that are sewn together stay apart in material space: each side of a seam has border vertices of its
 /// own. Those that are one point of the sewn cloth are *tied*: they share their world position, bit for bit. Two border
-/// edges whose ends are tied crosswise are the two sides of a seam. Operations keep both: a seam is split on both sides
-/// at once, and its vertices are never removed.
+/// edges whose ends are tied crosswise are the two sides of a seam. Operations keep both: a seam is split and coarsened
+/// on both sides at once.
 ///
 /// Invariants, checked by `validate()`: edge-manifold with one fan of faces a vertex that goes round it at most once,
 /// every live face has positive material area, twins agree, tags agree on both sides, no vertex without a face; tied
@@ -97,7 +97,13 @@ class Mesh {
   bool are_tied(int a, int b) const;
   /// The other side of the seam at border half-edge h, which runs the other way; none where h is no seam.
   int seam_twin(int h) const;
-  /// Whether v is tied or the end of a seam. Such a vertex stays.
+  /// Two ends of an edge.
+  struct Ends {
+    int vertex = none, into = none;
+  };
+  /// The edge from `vertex` to `into` as the other side of a seam has it; none, none where it is no side of one.
+  Ends across_seam(int vertex, int into) const;
+  /// Whether v is tied or the end of a seam.
   bool on_seam(int v) const;
   /// Makes a and b, and all that are tied to them, one point of the sewn cloth.
   /// @pre both live, x[a] == x[b], in no face together; validate() tells whether the seams that this makes are sound
@@ -135,12 +141,17 @@ class Mesh {
     int into;
     std::vector<int> faces;  ///< live faces that changed (around `into`)
     std::vector<int> removed_faces;
+    Ends tied;  ///< what went into what on the other side of a seam, where there was one
   };
   /// Removes from(h), moving its edges to to(h). False if the link condition fails, if a border vertex would leave the
   /// border or shorten it through a corner, if a tagged line would be shortened other than along itself (exactly two
-  /// edges with the same tag at from(h), h one of them; or from(h) untagged), if from(h) is on a seam or two border
-  /// edges would become one, or if a face that stays would have two tied corners or a material area not above
-  /// `min_area` (absolute, >= 0). Tags of merging edges are kept (a tagged one wins).
+  /// edges with the same tag at from(h), h one of them; or from(h) untagged), if a new seam would come to be, or if a
+  /// face that stays would have two tied corners or a material area not above `min_area` (absolute, >= 0). Tags of
+  /// merging edges are kept (a tagged one wins).
+  ///
+  /// A vertex on a seam goes along the seam, and the one that it is tied to goes with it on the other side. So that
+  /// both panels keep their shape and what is sewn to what, the seam must run straight through both and part its two
+  /// edges in one proportion. Its ends stay, and where more than two panels meet.
   bool can_collapse(int h, double min_area = 0.0) const;
   Collapse collapse(int h);
   /// The same, named by its two vertices: a border edge has a half-edge in one direction only, yet either end may go.
@@ -165,6 +176,11 @@ class Mesh {
   Split split_side(int h, double t);
   bool can_split_side(int h, double t) const;
   bool has_double(int h) const;
+  bool are_joined(int a, int b) const;
+  bool closes_a_seam(int vertex, int into) const;
+  bool seam_allows_collapse(int vertex, int into) const;
+  bool can_collapse_side(int vertex, int into, double min_area) const;
+  void collapse_side(Collapse& result, int vertex, int into);
   std::optional<std::string> seam_trouble() const;
   int add_face(int a, int b, int c);
   int add_vertex(const Vec2& material, const Vec3& world);
