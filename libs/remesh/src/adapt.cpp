@@ -210,8 +210,7 @@ std::array<int, 3> Adapter::corners_from(int h) const {
 }
 
 Candidate Adapter::candidate(const std::array<int, 3>& corners) const {
-  const auto [from, to, opposite] = corners;
-  return {squared_length(from, to), std::min(from, to), std::max(from, to)};
+  return {squared_length(corners[0], corners[1]), std::min(corners[0], corners[1]), std::max(corners[0], corners[1])};
 }
 
 void Adapter::look_at(int h, const std::array<int, 3>& corners) {
@@ -224,11 +223,8 @@ void Adapter::look_at(int h, const std::array<int, 3>& corners) {
 // Every edge once, by its canonical half-edge, in ascending order.
 void Adapter::look_at_edges() {
   worse_.clear(), long_.clear(), short_.clear();
-  if (!everywhere_) {
-    for (const int h : edges_) look_at(h, corners_from(h));
-    return;
-  }
-  for (int f = 0; f < mesh().face_slots(); ++f) {
+  for (const int h : edges_) look_at(h, corners_from(h));
+  for (int f = 0; everywhere_ && f < mesh().face_slots(); ++f) {
     if (!mesh().face_live(f)) continue;
     const auto [a, b, c] = mesh().face(f);
     if (const int h = 3 * f; mesh().edge_of(h) == h) look_at(h, {a, b, c});
