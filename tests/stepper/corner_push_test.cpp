@@ -13,6 +13,7 @@
 #include "crease/stepper/run.hpp"
 #include "crease/stepper/scene_io.hpp"
 #include "support/runs.hpp"
+#include "support/scratch.hpp"
 
 namespace crease {
 namespace {
@@ -25,7 +26,7 @@ std::string digits(double value) {
 /// The tip of the box begins 2 mm below the sheet at (x, y) and goes up at 1 m/s for .3 s.
 /// @return the deepest penetration over all steps [m]
 double push(double x, double y) {
-  const std::filesystem::path base = std::filesystem::temp_directory_path() / "crease_corner_push";
+  const std::filesystem::path base = testing::scratch_path("corner_push");
   const std::filesystem::path file = base.string() + ".json";
   std::ofstream(file) << R"({"format": 1, "name": "push", "duration": 0.35, "time_step": 0.005, "gravity": [0, 0, -9.8],
     "cloths": [{"name": "sheet", "shape": {"grid": {"size": [1, 1], "cells": [8, 8], "pattern": "cross"}},

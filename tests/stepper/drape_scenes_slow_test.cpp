@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "support/scene_run.hpp"
+#include "support/scratch.hpp"
 
 namespace crease {
 namespace {
@@ -53,7 +54,7 @@ TEST(TableclothScene, IsPulledOffTheTable) {
 TEST(TableclothScene, IsNeverInTheTable) {
   const LoadedScene scene = load_scene(std::filesystem::path(CREASE_SCENES) / "tablecloth.json", {});
   RunOptions options;
-  options.directory = std::filesystem::temp_directory_path() / "crease_tablecloth_shipped";
+  options.directory = testing::scratch_path("tablecloth_shipped");
   options.force = true;
   const RunResult result = run_scene(scene, options);
   std::filesystem::remove_all(options.directory);

@@ -15,6 +15,7 @@
 #include "crease/stepper/scene_io.hpp"
 #include "support/frames.hpp"
 #include "support/runs.hpp"
+#include "support/scratch.hpp"
 
 namespace crease {
 namespace {
@@ -30,7 +31,7 @@ Ran run(const std::filesystem::path& file, std::vector<std::pair<std::string, st
         std::optional<double> until = std::nullopt) {
   changes.emplace_back("output.formats", R"(["obj"])");
   RunOptions options;
-  options.directory = std::filesystem::temp_directory_path() / ("crease_fast_" + file.stem().string());
+  options.directory = testing::scratch_path("fast_" + file.stem().string());
   options.until = until;
   std::filesystem::remove_all(options.directory);
   const RunResult result = run_scene(load_scene(file, changes), options);
@@ -56,7 +57,7 @@ double height_above(const testing::Frame& frame, const Vec3& p) {
 }
 
 Ran run_nail(const Vec3& start) {
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / "crease_nail_at_50.json";
+  const std::filesystem::path file = testing::scratch_path("nail_at_50").replace_extension("json");
   std::ofstream out(file);
   out << R"({"format": 1, "name": "nail", "duration": 0.06, "time_step": 0.005, "gravity": [0, 0, 0],
     "cloths": [{"name": "sheet", "shape": {"grid": {"size": [1, 1], "cells": [10, 10], "pattern": "cross"}},

@@ -11,6 +11,7 @@
 #include "crease/stepper/run.hpp"
 #include "crease/stepper/scene_io.hpp"
 #include "support/runs.hpp"
+#include "support/scratch.hpp"
 
 namespace crease {
 namespace {
@@ -36,7 +37,7 @@ struct Outcome {
 };
 
 Outcome run(const std::string& label, const std::string& text) {
-  const std::filesystem::path base = std::filesystem::temp_directory_path() / ("crease_touching_" + label);
+  const std::filesystem::path base = testing::scratch_path("touching_" + label);
   const std::filesystem::path file = base.string() + ".json";
   std::ofstream(file) << text;
   RunOptions options;

@@ -15,6 +15,7 @@
 #include "crease/stepper/scene_io.hpp"
 #include "support/frames.hpp"
 #include "support/runs.hpp"
+#include "support/scratch.hpp"
 
 namespace crease::testing {
 
@@ -25,7 +26,7 @@ inline std::vector<Frame> run_shipped(const std::string& name, std::vector<std::
   changes.emplace_back("output.formats", R"(["obj"])");
   const LoadedScene scene = load_scene(std::filesystem::path(CREASE_SCENES) / (name + ".json"), changes);
   RunOptions options;
-  options.directory = std::filesystem::temp_directory_path() / ("crease_" + name + "_" + label);
+  options.directory = scratch_path(name + "_" + label);
   options.until = until;
   std::filesystem::remove_all(options.directory);
   const RunResult result = run_scene(scene, options);

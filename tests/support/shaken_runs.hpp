@@ -4,8 +4,6 @@
 // A shipped scene run with its obstacles shaken and everything turned. The test's target defines CREASE_SCENES.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -16,6 +14,7 @@
 #include <vector>
 
 #include "support/runs.hpp"
+#include "support/scratch.hpp"
 #include "support/shaken.hpp"
 
 namespace crease::testing {
@@ -47,8 +46,7 @@ inline void expect_ends_outside(const ShakenScene& shaken, const std::string& la
   const double allowed = 1e-3 * cloth_length(loaded);
   const auto piercing = std::make_shared<Piercing>(allowed);
   RunOptions options;
-  options.directory = std::filesystem::temp_directory_path() /
-                      ("crease_shaken_" + shaken.name + "_" + label + "_" + std::to_string(getpid()));
+  options.directory = scratch_path("shaken_" + shaken.name + "_" + label);
   options.until = shaken.until;
   options.stages = watched_stages(piercing);
   std::filesystem::remove_all(options.directory);
