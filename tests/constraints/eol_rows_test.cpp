@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "constraints/eol_sheet.hpp"
 
@@ -366,6 +367,32 @@ TEST(EolRows, WireOnAKnownSidePushesOnly) {
       EXPECT_NEAR(rows.b_eq[holds[0]], rows.eq[holds[0]].normal.dot(sheet.pose.velocity), 5 * gap_round_off);
     }
   }
+}
+
+TEST(EolRows, OfAHeldVertexKeepItWhereItIsInTheMaterial) {
+  const EolSheet sheet = make_eol_sheet(0.5);
+  const DofMap dofs = make_dof_map(sheet.cloth);
+  ConstraintOptions options;
+  options.h = h;
+  options.held.resize(sheet.cloth.mesh.vertex_slots());
+  for (const int v : {sheet.chain[0], sheet.chain[2]}) options.held[v] = 1;  // on the border, and within
+  const ConstraintRows rows = build_constraints(sheet.cloth, dofs, {}, sheet.obstacles(), {}, options);
+  const ConstraintRows free = sheet.rows();
+  EXPECT_EQ(rows.in.size(), free.in.size());
+  EXPECT_EQ(rows.eq.size(), free.eq.size() + 2);
+  for (const int v : {sheet.chain[0], sheet.chain[2]}) {
+    Mat2 both = Mat2::Zero();
+    int n = 0;
+    for (const RowKind kind : {RowKind::EolBorder, RowKind::EolTangent})
+      for (const int r : rows_of(rows.eq, kind, v)) {
+        ASSERT_LT(n, 2);
+        both.row(n++) = material_part(rows.A_eq, r, dofs, v).transpose();
+        EXPECT_EQ(rows.b_eq[r], 0);
+      }
+    EXPECT_EQ(std::abs(both.determinant()), 1) << "two rows at right angles";
+  }
+  options.held.pop_back();
+  EXPECT_THROW(build_constraints(sheet.cloth, dofs, {}, sheet.obstacles(), {}, options), std::invalid_argument);
 }
 
 TEST(EolRows, RowsAreOrderedByVertexThenKind) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "constraints/eol_sheet.hpp"
 #include "crease/geometry/grid.hpp"
 
 namespace crease {
@@ -163,6 +164,84 @@ TEST(Step, DetectsAgainWhatTheSolutionRunsInto) {
   EXPECT_EQ(calls, 2);  // with the floor it is slower than that, so nothing is asked a third time
   EXPECT_EQ(result.report.contacts, result.cloth.mesh.n_vertices());
   for (const Vec3& x : result.cloth.mesh.x) EXPECT_NEAR(x.z(), floor, 1e-12);
+}
+
+// A sheet runs over the edge so fast that the chain would cross a whole triangle.
+TEST(Step, HoldsWhatRunsAwayOnlyIfAskedTo) {
+  const double h = 0.01, speed = 15;  // [m/s]: a triangle's .15 m in a step
+  testing::EolSheet sheet = testing::make_eol_sheet(0);
+  for (int v = 0; v < sheet.cloth.mesh.n_vertices(); ++v) {
+    if (sheet.cloth.is_eol(v))
+      sheet.cloth.V[v] = {-speed, 0};
+    else
+      sheet.cloth.v[v] = {speed, 0, 0};
+  }
+  Scene scene;
+  scene.obstacles.push_back({.name = "box", .shape = sheet.shape, .start = sheet.pose, .motion = {}});
+  ClothSpec spec;
+  SheetSettings settings;
+  SheetStepper stepper(settings, make_stages(scene, spec));
+  EXPECT_EQ(stepper.step(sheet.cloth, scene.obstacles, 0, h).report.status, StepStatus::EulerianStepTooLong);
+  const StepResult result = stepper.step(sheet.cloth, scene.obstacles, 0, h, {.hold_runaways = true});
+  ASSERT_EQ(result.report.status, StepStatus::Done) << result.report.message;
+  EXPECT_EQ(result.report.held, static_cast<int>(sheet.chain.size()));
+  for (const int v : sheet.chain) {
+    EXPECT_EQ(result.cloth.mesh.X[v], sheet.cloth.mesh.X[v]);
+    EXPECT_LT((result.cloth.mesh.x[v] - sheet.cloth.mesh.x[v]).cwiseProduct(Vec3(1, 0, 1)).norm(), 1e-12);
+  }
+  const StepResult slow = stepper.step(sheet.cloth, scene.obstacles, 0, h / 10, {.hold_runaways = true});
+  ASSERT_EQ(slow.report.status, StepStatus::Done) << slow.report.message;
+  EXPECT_EQ(slow.report.held, 0) << "a tenth of a triangle";
+}
+
+// The next mesh line is .5 mm ahead of the chain, over 5 cm long; the chain goes there slowly.
+TEST(Step, MakesNoNeedleThinner) {
+  testing::EolSheet sheet = testing::make_eol_sheet(0);
+  Mesh& mesh = sheet.cloth.mesh;
+  const double ahead = 0.5 * testing::sheet_length + 5e-4;
+  for (int v = 0; v < mesh.n_vertices(); ++v)
+    if (mesh.X[v].x() > ahead && mesh.X[v].x() < testing::sheet_length - 1e-9) mesh.X[v].x() = mesh.x[v].x() = ahead;
+  for (const int v : sheet.chain) sheet.cloth.V[v] = {0.01, 0};
+  for (int v = 0; v < mesh.n_vertices(); ++v)
+    if (!sheet.cloth.is_eol(v)) sheet.cloth.v[v] = {-0.01, 0, 0};
+  Scene scene;
+  scene.obstacles.push_back({.name = "box", .shape = sheet.shape, .start = sheet.pose, .motion = {}});
+  SheetStepper stepper({}, make_stages(scene, {}));
+  const StepResult result = stepper.step(sheet.cloth, scene.obstacles, 0, 1e-3);  // 1e-5 m, a fiftieth of the way
+  ASSERT_EQ(result.report.status, StepStatus::Done) << result.report.message;
+  EXPECT_EQ(result.report.held, static_cast<int>(sheet.chain.size()));
+  for (const int v : sheet.chain) EXPECT_LT((result.cloth.mesh.X[v] - mesh.X[v]).norm(), 1e-15);
+}
+
+// A vertex in the middle of a thin plate, which both faces push out, each its way.
+TEST(Step, LeavesClothCaughtWhereItIs) {
+  const double h = 0.01;
+  Scene scene;
+  scene.obstacles.push_back({.name = "plate", .shape = make_box({2, 2, 1e-3}), .start = {}, .motion = {}});
+  Stages stages = make_stages(scene, {});
+  stages.foresee = nullptr;
+  stages.detect = [](const Cloth&, std::span<const PosedObstacle>, double) {
+    std::vector<Contact> contacts;
+    for (const double side : {1.0, -1.0}) {
+      Contact contact;
+      contact.obstacle = 0;
+      contact.n_vertices = 1;
+      contact.vertices = {0, -1, -1};
+      contact.weights = {1, 0, 0};
+      contact.normal = side * Vec3::UnitZ();
+      contact.distance = -5e-4;
+      contacts.push_back(contact);
+    }
+    return contacts;
+  };
+  SheetSettings settings;
+  settings.dynamics.gravity.setZero();
+  SheetStepper stepper(settings, stages);
+  const Cloth cloth = make_cloth(make_grid({}));
+  const StepResult result = stepper.step(cloth, scene.obstacles, 0, h);
+  ASSERT_EQ(result.report.status, StepStatus::Done) << result.report.message;
+  EXPECT_EQ(result.report.caught, 1);
+  for (int v = 0; v < cloth.mesh.n_vertices(); ++v) EXPECT_LT((result.cloth.mesh.x[v] - cloth.mesh.x[v]).norm(), 1e-12);
 }
 
 TEST(Step, LeavesTheGivenClothAloneAndRefusesWhatIsNotFinite) {

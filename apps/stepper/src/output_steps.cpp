@@ -76,6 +76,8 @@ constexpr auto columns = std::to_array<Column>({
     {"angular_momentum_y_after_remesh", &StepRow::angular_momentum_y_after_remesh},
     {"angular_momentum_z_after_remesh", &StepRow::angular_momentum_z_after_remesh},
     {"kinetic_energy_after_remesh", &StepRow::kinetic_energy_after_remesh},
+    {"held", &StepRow::held},
+    {"caught", &StepRow::caught},
 });
 
 constexpr int wall_time_digits = 6;  // a microsecond

@@ -27,6 +27,8 @@ struct StepRow {
   double pin_reaction_x = 0, pin_reaction_y = 0, pin_reaction_z = 0;     ///< mean over the step [N]
 
   double qp_fallbacks = 0;  ///< solves that the reference had to answer
+  double held = 0;          ///< EOL vertices, see StepOptions::hold_runaways
+  double caught = 0;        ///< parts of the step, see StepReport
   /// What the sheets that are remeshed carry beside it. Where a step is taken in parts: before the first one's
   /// remeshing, and the same with what every part's remeshing changed. Angular momenta are about each sheet's centre.
   double mass_before_remesh = 0, momentum_x_before_remesh = 0, momentum_y_before_remesh = 0;

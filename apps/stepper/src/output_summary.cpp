@@ -54,6 +54,8 @@ void Tally::add(const StepRow& row) {
   sums_.flips += row.flips;
   sums_.collapses += row.collapses;
   sums_.refusals += row.refusals;
+  sums_.held += row.held;
+  sums_.caught += row.caught;
   sums_.t_detect += row.t_detect;
   sums_.t_remesh += row.t_remesh;
   sums_.t_transfer += row.t_transfer;
@@ -64,6 +66,8 @@ void Tally::add(const StepRow& row) {
   sums_.t_output += row.t_output;
   sums_.t_total += row.t_total;
   if (row.max_penetration > deepest_.max_penetration) deepest_ = row;
+  most_energy_ = std::max(most_energy_, row.energy());
+  most_kinetic_energy_ = std::max(most_kinetic_energy_, row.kinetic_energy);
   last_ = row;
 }
 
@@ -97,6 +101,8 @@ std::string summary_json(const Scene& scene, const Summary& summary, const Tally
   json["retries"] = static_cast<int>(sums.retries);
   json["qp_fallbacks"] = static_cast<int>(sums.qp_fallbacks);
   json["refusals"] = static_cast<int>(sums.refusals);
+  json["held"] = static_cast<int>(sums.held);
+  json["caught"] = static_cast<int>(sums.caught);
   json["stages"] = stages_json(sums);
   json["left_out"] = summary.left_out;
   json["warnings"] = summary.warnings;

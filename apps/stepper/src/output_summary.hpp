@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,10 +18,13 @@ class Tally {
   void add(const StepRow& row);
   const StepRow& sums() const { return sums_; }  ///< wall times, retries and remeshing counts, summed
   const StepRow& last() const { return last_; }
-  const StepRow& deepest() const { return deepest_; }  ///< row of the worst penetration
+  const StepRow& deepest() const { return deepest_; }                  ///< row of the worst penetration
+  double most_energy() const { return most_energy_; }                  ///< of all rows, -infinity without one [J]
+  double most_kinetic_energy() const { return most_kinetic_energy_; }  ///< of all rows [J]
 
  private:
   StepRow sums_, last_, deepest_;
+  double most_energy_ = -std::numeric_limits<double>::infinity(), most_kinetic_energy_ = 0;
 };
 
 /// Energies and momenta of all sheets together.

@@ -36,6 +36,10 @@ constexpr int penetration_level = 4;
 /// Share of a step by which the wanted end may miss a step's end: scenes and --until are decimals.
 constexpr double until_slack = 1e-6;
 
+/// Share of the largest kinetic energy by which the energy may rise above that of the start where nothing drives the
+/// cloth. What dissipates nothing leaves room for rounding alone; in the shipped scenes it does not rise at all.
+constexpr double energy_slack = 0.01;
+
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -60,6 +64,14 @@ auto parse_file(const std::filesystem::path& path, Parse parse) {
 std::string failed_step(const Schedule& schedule, int step, const std::string& why) {
   return "step " + std::to_string(step) + " (time " + digits(schedule.end_of(step - 1)) + " s to " +
          digits(schedule.end_of(step)) + " s), " + why;
+}
+
+bool nothing_drives(const Scene& scene) {
+  const auto is_at_rest = [](const auto& mover) { return mover.motion.empty(); };
+  return std::all_of(scene.obstacles.begin(), scene.obstacles.end(), is_at_rest) &&
+         std::all_of(scene.cloths.begin(), scene.cloths.end(), [&](const ClothSpec& spec) {
+           return std::all_of(spec.pins.begin(), spec.pins.end(), is_at_rest);
+         });
 }
 
 /// Tries a scene's first step, for a run that is about to take an earlier one's place; writes nothing.
@@ -94,6 +106,7 @@ class Run {
   double time() const { return schedule_.end_of(step_); }
   int n_frames() const { return schedule_.frames_until(step_); }
   RunProgress reached() const;
+  std::vector<std::string> warnings() const;
   bool reached_end() const { return step_ >= schedule_.n_steps; }
   double wanted_end() const { return std::min(scene_.duration, options_.until.value_or(scene_.duration)); }
   bool reached_until() const { return options_.until && time() >= *options_.until - until_slack * schedule_.time_step; }
@@ -104,7 +117,7 @@ class Run {
   const RunDirectory directory_;
   const Schedule schedule_;
   const Energies start_;
-  const std::vector<std::string> warnings_;
+  const std::vector<std::string> unresolved_;
   Sheets sheets_;
   Tally tally_;
   std::optional<LineFile> steps_file_;
@@ -119,7 +132,7 @@ Run::Run(const LoadedScene& loaded, const RunOptions& options)
       directory_{options.directory},
       schedule_(loaded.scene),
       start_(measure(loaded.scene, loaded.cloths)),
-      warnings_(unresolved_features(loaded)),
+      unresolved_(unresolved_features(loaded)),
       sheets_(loaded.scene, options.stages) {
   const bool anew = options.force && !options.resume;
   if (anew || !std::filesystem::exists(directory_.checkpoint()))
@@ -285,14 +298,31 @@ void Run::take_checkpoint() {
   checkpoint_seconds_ = seconds_since(start);
 }
 
+std::vector<std::string> Run::warnings() const {
+  std::vector<std::string> all = unresolved_;
+  if (const double n = tally_.sums().held; n > 0)
+    all.push_back("EOL vertices were kept from running over the triangles ahead " + digits(n) +
+                  " times, and the cloth from sliding there meanwhile: see 'held' in steps.csv");
+  if (const double n = tally_.sums().caught; n > 0)
+    all.push_back("the cloth was caught between features in " + digits(n) +
+                  " parts of steps, and not pushed out of them meanwhile: see 'caught' in steps.csv");
+  const double gained = tally_.most_energy() - start_.total();
+  const double swing = std::max(start_.kinetic, tally_.most_kinetic_energy());
+  if (nothing_drives(scene_) && gained > energy_slack * swing)
+    all.push_back("the energy rose by " + digits(gained) +
+                  " J above that of the start, though nothing drives the cloth: " +
+                  "the time step is too long, or the mesh too coarse for what happens");
+  return all;
+}
+
 RunResult Run::finish(RunStatus status, std::string message) const {
   const bool done = status == RunStatus::Done;
   write_summary(done && reached_end(), message);
-  return {status, done ? std::string() : std::move(message), reached(), warnings_};
+  return {status, done ? std::string() : std::move(message), reached(), warnings()};
 }
 
 void Run::write_summary(bool finished, const std::string& why) const {
-  const Summary summary{finished, why, options_.command_line, n_frames(), sheets_.left_out(), warnings_, start_};
+  const Summary summary{finished, why, options_.command_line, n_frames(), sheets_.left_out(), warnings(), start_};
   write_whole(directory_.root / "summary.json", summary_json(scene_, summary, tally_));
 }
 

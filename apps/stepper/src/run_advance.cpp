@@ -12,6 +12,10 @@ namespace {
 constexpr int most_halvings = 10;
 constexpr int finest = 1 << most_halvings;  ///< smallest parts in a step
 
+/// Parts up to this one hold what runs away in the material rather than be halved again: no sliding is so fast, but a
+/// vertex of crumpled or degenerate cloth may be, at any part.
+constexpr int holding_part = finest / 16;
+
 std::string digits(double value) {
   char text[64];
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
@@ -72,6 +76,8 @@ void add_work(const StepReport& report, double share, StepRow& row) {
   row.flips += report.flips;
   row.collapses += report.collapses;
   row.refusals += report.refusals;
+  row.held += report.held;
+  row.caught += report.caught;
   row.edge_reaction_x += share * report.edge_reaction.x();
   row.edge_reaction_y += share * report.edge_reaction.y();
   row.edge_reaction_z += share * report.edge_reaction.z();
@@ -125,12 +131,12 @@ void Sheets::make_steppers() {
   }
 }
 
-Sheets::Attempt Sheets::attempt(double time, double h, StepRow& row) {
+Sheets::Attempt Sheets::attempt(double time, double h, const StepOptions& options, StepRow& row) {
   Attempt attempt;
   for (std::size_t c = 0; c < cloths_.size(); ++c) {
     const std::string who = cloths_.size() > 1 ? "cloth '" + scene_.cloths[c].name + "', " : "";
     try {
-      attempt.results.push_back(steppers_[c].step(cloths_[c], scene_.obstacles, time, h));
+      attempt.results.push_back(steppers_[c].step(cloths_[c], scene_.obstacles, time, h, options));
     } catch (const std::exception& error) {  // no numerics end like this: a smaller step would only hide it
       attempt.failure = who + "unexpected: " + error.what();
       attempt.worth_a_retry = false;
@@ -151,7 +157,7 @@ std::optional<std::string> Sheets::advance(double time, double h, StepRow& row) 
   int done = 0, part = finest;  // of the step, in 1/finest
   while (done < finest) {
     const double share = static_cast<double>(part) / finest;
-    Attempt tried = attempt(time + h * done / finest, h * share, row);
+    Attempt tried = attempt(time + h * done / finest, h * share, {.hold_runaways = part <= holding_part}, row);
     if (!tried.failure.empty()) {
       // What the failed attempt taught the steppers belongs to states that never came to be.
       make_steppers();

@@ -34,7 +34,7 @@ class Sheets {
 
  private:
   struct Attempt;
-  Attempt attempt(double time, double h, StepRow& row);
+  Attempt attempt(double time, double h, const StepOptions& options, StepRow& row);
   void make_steppers();
 
   const Scene& scene_;

@@ -118,21 +118,42 @@ int add_foreseen(std::vector<Contact>& contacts, std::set<ContactKey>& inside, c
   return n;
 }
 
-/// True if no triangle at an EOL vertex lost more than its allowed share of material area.
-bool eulerian_step_fits(const Cloth& before, const Cloth& after) {
+/// Altitude of a triangle over its longest side below which no step may make it thinner: shares alone would let it
+/// vanish, and its bending energy grow without end.
+constexpr double thinnest = 1e-2;
+
+/// EOL vertices at triangles that lost more of their material area than they may.
+struct Runaways {
+  std::vector<int> at_needles, too_far;  ///< where no step is short enough, and where a shorter one may be
+};
+
+Runaways runaways(const Cloth& before, const Cloth& after) {
+  Runaways found;
+  const auto is_thin = [&](int f) {
+    double longest = 0;
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, after.mesh.material_length(3 * f + k));
+    return 2 * after.mesh.material_area(f) < thinnest * longest * longest;
+  };
   for (int f = 0; f < before.mesh.n_faces(); ++f) {
     const auto& corners = before.mesh.face(f);
     if (std::none_of(corners.begin(), corners.end(), [&](int v) { return before.is_eol(v); })) continue;
-    if (!(after.mesh.material_area(f) >= min_area_share * before.mesh.material_area(f))) return false;
+    const double area = after.mesh.material_area(f), area_before = before.mesh.material_area(f);
+    const bool goes_too_far = !(area >= min_area_share * area_before), is_needle = area < area_before && is_thin(f);
+    if (!goes_too_far && !is_needle) continue;
+    auto& vertices = goes_too_far ? found.too_far : found.at_needles;
+    std::copy_if(corners.begin(), corners.end(), std::back_inserter(vertices), [&](int v) { return before.is_eol(v); });
   }
-  return true;
+  return found;
 }
 
 /// What the stages of one step hand on to each other.
 struct Work {
   double time, h;
+  StepOptions options;
   std::vector<PosedObstacle> posed;
-  Cloth cloth;  // remeshed; its velocities are still those before the step
+  Cloth cloth;               // remeshed; its velocities are still those before the step
+  std::vector<char> held{};  // see ConstraintOptions; empty or by vertex
+  bool pushes_out = true;    // what is inside an obstacle, or off its feature
   std::vector<Contact> contacts{};
   DofMap dofs{};
   ConstraintRows rows{};
@@ -147,6 +168,40 @@ struct Work {
     return false;
   }
 };
+
+/// True if the solution moves a vertex ten times as fast as anything that could move it: cloth, obstacles, pins, and
+/// what pushes it out. As where two edges of a thin plate push the ends of a short lever apart.
+bool is_flung(const Work& work, const SheetSettings& settings) {
+  constexpr double most_times = 10;
+  double before = settings.push_out_speed + work.h * settings.dynamics.gravity.norm(), after = 0;
+  for (int v = 0; v < work.cloth.mesh.n_vertices(); ++v) {
+    before = std::max(before, work.cloth.v[v].norm());
+    after = std::max(after, work.solution.q.segment<3>(work.dofs.x(v)).norm());
+  }
+  for (const Contact& contact : work.contacts) before = std::max(before, contact.velocity.norm());
+  if (work.rows.b_eq.size() > 0) before = std::max(before, work.rows.b_eq.cwiseAbs().maxCoeff());
+  return after > most_times * before;
+}
+
+/// The cloth at the end of the step that the solution says.
+Cloth moved(const Work& work) {
+  Cloth next = work.cloth;
+  scatter_velocity(work.solution.q, work.dofs, next);
+  for (int v = 0; v < next.mesh.n_vertices(); ++v) {
+    next.mesh.x[v] += work.h * next.v[v];
+    if (next.is_eol(v)) next.mesh.X[v] += work.h * next.V[v];
+  }
+  return next;
+}
+
+/// Holds these vertices for the rest of the step; false if all of them are already.
+bool hold(Work& work, const std::vector<int>& vertices) {
+  const int before = work.report.held;
+  work.held.resize(static_cast<std::size_t>(work.cloth.mesh.n_vertices()));
+  for (const int v : vertices)
+    if (std::exchange(work.held[v], 1) == 0) ++work.report.held;
+  return work.report.held > before;
+}
 
 Carried carried(const Motion& motion, double density) {
   return {density * motion.area, density * motion.linear, density * motion.angular, density * motion.kinetic};
@@ -203,9 +258,11 @@ struct SheetStepper::Impl {
   void remesh(Work& work);
   bool assemble(Work& work);
   void constrain(Work& work);
-  bool solve(Work& work);
+  QpStatus solve(Work& work);
+  bool solve_rows(Work& work);
   bool constrain_and_solve(Work& work);
-  bool integrate(Work& work, std::span<const Obstacle> obstacles);
+  bool find_motion(Work& work, Cloth& next);
+  void integrate(Work& work, Cloth next, std::span<const Obstacle> obstacles);
 
   bool same_topology(const Cloth& cloth);
   std::vector<char> guess(const Work& work) const;
@@ -316,13 +373,14 @@ void SheetStepper::Impl::constrain(Work& work) {
     pins.push_back(pin_state(settings.pins[k], static_cast<int>(k), work.time, work.h));
   ConstraintOptions options;
   options.h = work.h;
-  options.push_out_speed = settings.push_out_speed;
+  options.push_out_speed = work.pushes_out ? settings.push_out_speed : 0;
   options.wire_clearance = wire_clearance_share * settings.threshold;
+  options.held = work.held;
   work.rows = stages.constrain(work.cloth, work.dofs, work.contacts, work.posed, pins, options);
   work.report.times.constrain += work.watch.lap();
 }
 
-bool SheetStepper::Impl::solve(Work& work) {
+QpStatus SheetStepper::Impl::solve(Work& work) {
   make_problem(*system, work.rows, work.dofs, problem);
   work.solution = stages.solve ? stages.solve(problem, guess(work)) : linear.solve(problem);
   const QpResult& solution = work.solution;
@@ -330,8 +388,22 @@ bool SheetStepper::Impl::solve(Work& work) {
   work.report.qp_fell_back = work.report.qp_fell_back || solution.fell_back;
   work.report.kkt_residual = solution.kkt_residual;
   work.report.times.solve += work.watch.lap();
-  return solution.status == QpStatus::Solved ||
-         work.fail(StepStatus::QpFailed, "solve", std::string(to_string(solution.status)) + ": " + solution.message);
+  return solution.status;
+}
+
+// Cloth caught between features may be asked to leave each of them through another: no motion can, or only an absurd
+// one. Rows that push nothing out are met by the motion of the obstacles, if it is one; then the cloth stays for now.
+bool SheetStepper::Impl::solve_rows(Work& work) {
+  QpStatus status = solve(work);
+  const bool is_caught = status == QpStatus::Infeasible || (status == QpStatus::Solved && is_flung(work, settings));
+  if (is_caught && std::exchange(work.pushes_out, false)) {
+    const VecX b_eq = work.rows.b_eq, b_in = work.rows.b_in;
+    constrain(work);
+    work.report.caught = work.rows.b_eq != b_eq || work.rows.b_in != b_in;
+    if (work.report.caught != 0) status = solve(work);
+  }
+  return status == QpStatus::Solved ||
+         work.fail(StepStatus::QpFailed, "solve", std::string(to_string(status)) + ": " + work.solution.message);
 }
 
 // Where the solution moves the cloth farther than detection looked, it looks again, that far; what it finds joins the
@@ -343,7 +415,7 @@ bool SheetStepper::Impl::constrain_and_solve(Work& work) {
     const std::size_t n_rows = work.rows.in.size();
     constrain(work);
     if (pass > 0 && work.rows.in.size() == n_rows) return true;  // pins decide whatever was added
-    if (!solve(work)) return false;
+    if (!solve_rows(work)) return false;
     if (!stages.detect || !stages.constrain || !work.solution.q.allFinite()) return true;
     Cloth moved = work.cloth;
     bool farther = false;
@@ -365,34 +437,41 @@ bool SheetStepper::Impl::constrain_and_solve(Work& work) {
   return work.fail(StepStatus::ContactsUnsettled, "solve", "every solution runs into obstacles that are not in it yet");
 }
 
-bool SheetStepper::Impl::integrate(Work& work, std::span<const Obstacle> obstacles) {
-  Cloth next = work.cloth;
-  scatter_velocity(work.solution.q, work.dofs, next);
-  for (int v = 0; v < next.mesh.n_vertices(); ++v) {
-    next.mesh.x[v] += work.h * next.v[v];
-    if (next.is_eol(v)) next.mesh.X[v] += work.h * next.V[v];
+// Solves, and again with those EOL vertices held that would go too far: each time more of them, so it ends.
+bool SheetStepper::Impl::find_motion(Work& work, Cloth& next) {
+  while (constrain_and_solve(work)) {
+    next = moved(work);
+    if (!all_finite(next)) return work.fail(StepStatus::NotFinite, "integrate", "a position or velocity is not finite");
+    const auto [at_needles, too_far] = runaways(work.cloth, next);
+    if (too_far.empty() && at_needles.empty()) return true;
+    bool holds_more = hold(work, at_needles);
+    if (work.options.hold_runaways) holds_more = hold(work, too_far) || holds_more;
+    if (holds_more) continue;
+    return too_far.empty() || work.fail(StepStatus::EulerianStepTooLong, "integrate",
+                                        "an EOL vertex would cross more than 0.3 of a triangle");
   }
-  if (!all_finite(next)) return work.fail(StepStatus::NotFinite, "integrate", "a position or velocity is not finite");
-  if (!eulerian_step_fits(work.cloth, next))
-    return work.fail(StepStatus::EulerianStepTooLong, "integrate",
-                     "an EOL vertex would cross more than 0.3 of a triangle");
+  return false;
+}
+
+void SheetStepper::Impl::integrate(Work& work, Cloth next, std::span<const Obstacle> obstacles) {
   work.report.released += track_features(next, obstacles, work.time + work.h, settings.threshold, settings.material);
   read_multipliers(work);
   remember(work.rows, work.solution);
   work.cloth = std::move(next);
   work.report.times.integrate = work.watch.lap();
-  return true;
 }
 
-StepResult SheetStepper::step(const Cloth& cloth, std::span<const Obstacle> obstacles, double time, double h) {
+StepResult SheetStepper::step(const Cloth& cloth, std::span<const Obstacle> obstacles, double time, double h,
+                              const StepOptions& options) {
   require(h > 0, "SheetStepper::step: expected h > 0");
   require(cloth.mesh.is_compact(), "SheetStepper::step: expected a compact mesh");
   require(all_finite(cloth), "SheetStepper::step: expected finite positions and velocities");
-  Work work{.time = time, .h = h, .posed = pose_all(obstacles, time, h), .cloth = cloth};
+  Work work{.time = time, .h = h, .options = options, .posed = pose_all(obstacles, time, h), .cloth = cloth};
   impl_->detect(work);
   impl_->remesh(work);
-  const bool done = impl_->assemble(work) && impl_->constrain_and_solve(work) && impl_->integrate(work, obstacles);
-  if (!done) return {cloth, std::move(work.report)};
+  Cloth next;
+  if (!impl_->assemble(work) || !impl_->find_motion(work, next)) return {cloth, std::move(work.report)};
+  impl_->integrate(work, std::move(next), obstacles);
   return {std::move(work.cloth), std::move(work.report)};
 }
 

@@ -91,8 +91,10 @@ void Builder::add_eol_world(int vertex) {
 // Eulerian part of Algorithm 2.
 void Builder::add_eol_material(int vertex) {
   const RowKind kind = cloth.mesh.is_border_vertex(vertex) ? RowKind::EolBorder : RowKind::EolTangent;
+  const bool is_held = !options.held.empty() && options.held[vertex] != 0;
   int slot = 0;
-  for (const Vec2& direction : eulerian_rows(cloth, vertex, obstacles)) {
+  for (const Vec2& direction :
+       is_held ? std::vector<Vec2>{Vec2::UnitX(), Vec2::UnitY()} : eulerian_rows(cloth, vertex, obstacles)) {
     const RowInfo info{.kind = kind, .vertex = vertex, .feature = cloth.feature[vertex], .slot = slot++};
     eq.push_back(material_row(info, direction, dofs));
   }
@@ -172,6 +174,8 @@ ConstraintRows build_constraints(const Cloth& cloth, const DofMap& dofs, std::sp
   const int n = cloth.mesh.vertex_slots();
   require(options.h > 0 && options.push_out_speed >= 0, "build_constraints: expected h > 0 and push_out_speed >= 0");
   require(static_cast<int>(dofs.start.size()) == n + 1, "build_constraints: expected the dof map of this cloth");
+  require(options.held.empty() || static_cast<int>(options.held.size()) == n,
+          "build_constraints: expected `held` for all vertices or for none");
   for (const PinState& pin : pins) {
     require(pin.index >= 0 && pin.index < 64, "build_constraints: expected pin indices in [0, 64)");
   }

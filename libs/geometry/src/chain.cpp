@@ -20,15 +20,20 @@ Vec3 edge_tangent(const FeatureId& feature, std::span<const PosedObstacle> obsta
   return posed.pose.rotation * (edge.b - edge.a).normalized();
 }
 
-/// Material direction whose image under F is nearest to the world direction d.
-Vec2 pull_back(const Mat32& F, const Vec3& d) {
-  const Mat2 C = F.transpose() * F;
-  const Vec2 right = F.transpose() * d;
-  const Mat2 adjugate = (Mat2() << C(1, 1), -C(0, 1), -C(1, 0), C(0, 0)).finished();
-  // The determinant scales the length only, so a world-degenerate F costs nothing until the direction itself is lost.
-  const Vec2 t = adjugate * right;
-  if (t.norm() > 0) return t.normalized();
-  return right.norm() > 0 ? Vec2(right.normalized()) : Vec2(1, 0);
+/// Material direction whose image is nearest to the world direction d, in the mean of the vertex's faces: by the face,
+/// since on a sharp fold the mean of their F is not that of a surface any more, and across the fold nearly zero.
+Vec2 pull_back(const Mesh& mesh, int vertex, const Vec3& d) {
+  Vec2 sum = Vec2::Zero(), steepest = Vec2::Zero();
+  for (const int h : mesh.outgoing(vertex)) {
+    const int f = Mesh::face_of(h);
+    const Mat32 F = deformation_gradient(mesh, f);
+    const Mat2 C = F.transpose() * F;
+    const Vec2 right = mesh.material_area(f) * F.transpose() * d;
+    if (C.determinant() > 0) sum += C.inverse() * right;
+    steepest += right;
+  }
+  if (sum.norm() > 0) return sum.normalized();
+  return steepest.norm() > 0 ? Vec2(steepest.normalized()) : Vec2(1, 0);
 }
 
 }  // namespace
@@ -55,7 +60,7 @@ Vec2 chain_tangent(const Cloth& cloth, int vertex, std::span<const PosedObstacle
   // Two directions that nearly cancel (a hairpin in material space) say nothing; the deformation still does.
   constexpr double cancelled = 1e-6;
   if (sum.norm() > cancelled) return sum.normalized();
-  return pull_back(vertex_deformation_gradient(mesh, vertex), along);
+  return pull_back(mesh, vertex, along);
 }
 
 double fold_angle(const Cloth& cloth, int vertex) {

@@ -42,6 +42,8 @@ struct StepReport {
   int splits = 0, flips = 0, collapses = 0;
   Carried before_remesh, after_remesh;  ///< zeros where the stage is left out
   bool qp_fell_back = false;            ///< see QpResult
+  int held = 0;                         ///< EOL vertices, see StepOptions::hold_runaways
+  int caught = 0;                       ///< 1 if nothing could be pushed out, as the rows contradicted each other
   double kkt_residual = 0;
   double kinetic_energy = 0, membrane_energy = 0, bending_energy = 0, gravitational_energy = 0;  ///< before the step
   Vec3 momentum = Vec3::Zero();
@@ -71,6 +73,12 @@ struct SheetSettings {
   std::vector<PinSpec> pins;
 };
 
+struct StepOptions {
+  /// An EOL vertex that would cross more of a triangle than one step may, does not fail the step, but keeps its
+  /// material coordinates in it. It still stands on its feature; the cloth does not slide there for that long.
+  bool hold_runaways = false;
+};
+
 struct StepResult {
   Cloth cloth;
   StepReport report;
@@ -87,7 +95,8 @@ class SheetStepper {
   /// One linearly implicit step from `time` to `time + h` (Algorithm 1):
   /// detect -> conform and adapt -> transfer -> assemble -> rows -> solve -> integrate. The given cloth is not changed,
   /// so a failed step leaves nothing behind.
-  StepResult step(const Cloth& cloth, std::span<const Obstacle> obstacles, double time, double h);
+  StepResult step(const Cloth& cloth, std::span<const Obstacle> obstacles, double time, double h,
+                  const StepOptions& options = {});
 
  private:
   struct Impl;

@@ -51,6 +51,8 @@ struct ConstraintOptions {
   /// Distance that a sheet keeps from a wire it only touches: a wire has no inside, so that the next step knows the
   /// side by nothing else [m].
   double wire_clearance = 0;
+  /// By vertex: EOL vertices whose material coordinates stay as they are, Xdot = 0; empty: none.
+  std::vector<char> held = {};
 };
 
 /// Algorithm 2 of the paper with signs from the obstacle, border rule, Lagrangian contacts, pins, right-hand sides with

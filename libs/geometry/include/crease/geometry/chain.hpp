@@ -16,7 +16,7 @@ std::vector<int> chain_edges(const Cloth& cloth, int vertex, int tag);
 
 /// Unit material tangent of the chain at an EOL edge vertex: mean of its fold edges' directions, each oriented along
 /// the obstacle edge a -> b (world direction of the cloth edge . tangent > 0), so that two halves never cancel. With no
-/// fold edge: F^+ (pseudo-inverse, area-weighted F) applied to the obstacle's tangent.
+/// fold edge: the area-weighted mean of F^+ (pseudo-inverse) of the faces, applied to the obstacle's tangent.
 /// @pre vertex is EOL on an edge
 Vec2 chain_tangent(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles);
 
