@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "supernode_tree.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <utility>
+
 namespace crease {
 namespace {
 
@@ -88,6 +90,20 @@ class Analysis {
     earlier_.resize(static_cast<std::size_t>(n_listed));
   }
 
+  /// The positions after each that touch it, ascending.
+  struct Later {
+    std::vector<int> at, positions;
+
+    explicit Later(const Analysis& analysis) : at(analysis.earlier_at_.size(), 0), positions(analysis.earlier_.size()) {
+      for (const int k : analysis.earlier_) ++at[k + 1];
+      std::partial_sum(at.begin(), at.end(), at.begin());
+      std::vector<int> next(at.begin(), at.end() - 1);
+      for (int row = 0; row + 1 < static_cast<int>(at.size()); ++row)
+        for (const int k : analysis.earlier(row)) positions[next[k]++] = row;
+    }
+    std::span<const int> of(int k) const { return std::span(positions).subspan(at[k], at[k + 1] - at[k]); }
+  };
+
   std::span<const int> earlier(int k) const {
     return std::span(earlier_).subspan(static_cast<std::size_t>(earlier_at_[k]),
                                        static_cast<std::size_t>(earlier_at_[k + 1] - earlier_at_[k]));
@@ -123,22 +139,40 @@ class Analysis {
     earlier_at_ = std::move(earlier_at);
   }
 
-  /// Row i of L is the subtree that climbs from its entries in A up to i.
+  /// Row i of L is the subtree that climbs from its entries in A up to i. It is the sum of the paths from its leaves,
+  /// less what they share: each path is added at its leaf, and taken off where it meets that of the leaf before (the
+  /// first one at i), as a step of the counts along the tree.                                         [GILBERT94]
   void count_rows() {
-    const std::size_t n = tree_.order.size();
-    std::vector<int> seen_by(n, -1);
-    n_rows_.assign(n, 0);
-    n_blocks_.assign(n, 0);
-    for (int i = 0; i < static_cast<int>(n); ++i) {
-      seen_by[i] = i;
-      const int size = graph_.size(tree_.order[i]);
-      for (int j : earlier(i))
-        for (; seen_by[j] != i; j = parent_[j]) {
-          seen_by[j] = i;
-          n_rows_[j] += size;
-          ++n_blocks_[j];
-        }
+    const int n = static_cast<int>(tree_.order.size());
+    std::vector<int> first(tree_.order.size()), ancestor(tree_.order.size());  // least descendant; towards the root
+    std::iota(first.begin(), first.end(), 0);
+    std::iota(ancestor.begin(), ancestor.end(), 0);
+    for (int k = 0; k < n; ++k)
+      if (const int p = parent_[k]; p >= 0) first[p] = std::min(first[p], first[k]);
+    n_rows_.assign(tree_.order.size(), 0);
+    n_blocks_.assign(tree_.order.size(), 0);
+    const auto add = [&](int k, int row, int sign) {
+      n_rows_[k] += sign * graph_.size(tree_.order[row]);
+      n_blocks_[k] += sign;
+    };
+    const auto root = [&](int k) {
+      while (ancestor[k] != k) k = ancestor[k] = ancestor[ancestor[k]];
+      return k;
+    };
+    std::vector<int> covered(tree_.order.size(), -1), leaf(tree_.order.size(), -1);  // by the last leaf of each row
+    const Later later(*this);
+    for (int k = 0; k < n; ++k) {
+      for (const int row : later.of(k)) {
+        if (first[k] <= covered[row]) continue;  // an entry before stands below it
+        covered[row] = first[k];
+        const int former = std::exchange(leaf[row], k);
+        add(k, row, 1);
+        add(former < 0 ? row : root(former), row, -1);
+      }
+      if (parent_[k] >= 0) ancestor[k] = parent_[k];
     }
+    for (int k = 0; k < n; ++k)
+      if (const int p = parent_[k]; p >= 0) n_rows_[p] += n_rows_[k], n_blocks_[p] += n_blocks_[k];
   }
 
   /// Chains of columns of which each has the rows of the next, and that one itself.
