@@ -176,9 +176,11 @@ bool KktSystem::solve(const WorkingSet& set, const VecX& f, const VecX& value, c
   VecX r = push;
   for (int i = 0; i < n; ++i)
     if (base_[i]) r[i] = 0;
-  const VecX y = cholesky_->forward(r);
-  VecX reached;  // C^T K^-1 r
-  if (n_slots_ > 0) reached = Y_.leftCols(n_slots_).transpose() * y;
+  // Of a correction after a change of the working set often nothing is left here: the border has it all.
+  const bool pushed = (r.array() != 0).any();
+  const VecX y = pushed ? VecX(cholesky_->forward(r)) : VecX::Zero(n);
+  VecX reached = VecX::Zero(n_slots_);  // C^T K^-1 r
+  if (n_slots_ > 0 && pushed) reached = Y_.leftCols(n_slots_).transpose() * y;
   const VecX row_held = qp_->rows * held;
   VecX s_tied(n_tied), s_freed(n_freed);
   for (int i = 0; i < n_tied; ++i) {

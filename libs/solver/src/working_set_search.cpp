@@ -139,8 +139,12 @@ WorkingSetSearch::Rest WorkingSetSearch::rest(const WorkingSet& set) const {
   return rest;
 }
 
+double WorkingSetSearch::force_rounding() const {
+  return rounding_share * std::max(max_abs(qp_.f), max_abs(gradient_));
+}
+
 bool WorkingSetSearch::is_rounding(const Rest& rest) const {
-  return max_abs(rest.force) <= rounding_share * std::max(max_abs(qp_.f), max_abs(gradient_)) &&
+  return max_abs(rest.force) <= force_rounding() &&
          max_abs(rest.rows) <= rounding_share * std::max(max_abs(qp_.rhs), max_abs(point_.u));
 }
 
@@ -150,7 +154,10 @@ bool WorkingSetSearch::solve(const WorkingSet& set) {
   for (int w = 0; w < qp_.n_rows(); ++w)
     if (!set.on[w] && point_.row_lambda[w] != 0) point_.row_lambda[w] = 0, let_go = true;
   if (let_go) update_gradient();
-  const Rest missing = rest(set);
+  Rest missing = rest(set);
+  const double rounding = force_rounding();
+  for (double& force : missing.force)
+    if (std::abs(force) <= rounding) force = 0;
   VecX way = VecX::Zero(qp_.size());  // of the held coordinates to their bounds
   for (int i = 0; i < qp_.size(); ++i)
     if (set.held[i]) way[i] = qp_.bound[i] - point_.u[i];

@@ -51,6 +51,7 @@ class WorkingSetSearch {
   bool solve(const WorkingSet& set);
   bool refine(const WorkingSet& set);
   Rest rest(const WorkingSet& set) const;
+  double force_rounding() const;  ///< below it a force is rounding of the sums it comes from
   bool is_rounding(const Rest& rest) const;
   void update_gradient();
   Signs signs() const;
