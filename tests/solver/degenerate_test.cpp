@@ -174,6 +174,23 @@ TEST(SingularQp, IsSolvedForAFlatSheetFromAnyStart) {
   }
 }
 
+/// Two equal rows across blocks, first met with q0 held at its bound, where they are stiff; free of it they give way
+/// 2e8 times as far. A softness made for the first is then less than rounding, and the border that holds both is
+/// singular.
+TEST(DependentRows, StaySolvableWhenLettingGoMakesThemCompliant) {
+  const double decoupled = 1e-8;
+  const MatX H = (MatX(2, 2) << 1, 1 - decoupled, 1 - decoupled, 1).finished();
+  const MatX A_in = (MatX(3, 2) << 1, 0, 1, -1, 1, -1).finished();
+  const QpProblem problem =
+      dense_problem(H, VecX::Constant(2, 2), MatX(), VecX(), A_in, (VecX(3) << 0, 1, 1).finished());
+  const QpResult result = make_qp_solver(QpMethod::ActiveSet)->solve(problem, {}, std::vector<char>{1, 1, 1});
+  ASSERT_EQ(result.status, QpStatus::Solved) << result.message;
+  EXPECT_FALSE(result.fell_back);
+  // q0 - q1 = 1 and, along (1, 1), (2 - decoupled) (q0 + q1) = 4.
+  EXPECT_NEAR(result.q[0], 2 / (2 - decoupled) + 0.5, 1e-8);
+  EXPECT_NEAR(result.q[1], 2 / (2 - decoupled) - 0.5, 1e-8);
+}
+
 TEST(IndefiniteQp, IsReported) {
   MatX H = MatX::Identity(4, 4);
   H(2, 2) = -1;

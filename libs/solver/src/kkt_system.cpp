@@ -50,8 +50,23 @@ bool KktSystem::refresh(const WorkingSet& set) {
   // A border that cannot be factorised may be the fault of the base it stands on, so the set gets a base of its own.
   bool ready = keep && add_columns(set) && factorize_border();
   if (!ready) ready = factorize(set) && add_columns(set) && factorize_border();
+  if (!ready && factorized_ && soften()) ready = factorize_border();
   if (ready) border_set_ = set;
   return ready;
+}
+
+/// A row has its softness from the compliance it met when it was first on. Coordinates that have been let go since may
+/// have left it so compliant that this is less than rounding. @return whether any row is softer now
+bool KktSystem::soften() {
+  bool softer = false;
+  for (const int item : tied_) {
+    if (item < qp_->size()) continue;
+    double& delta = delta_[item - qp_->size()];
+    const double now = row_softness * gram_(slot_of_[item], slot_of_[item]);
+    softer = softer || now > delta;
+    delta = std::max(delta, now);
+  }
+  return softer;
 }
 
 /// Held coordinates become identity rows, which keeps the analysis.

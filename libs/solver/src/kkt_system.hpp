@@ -39,6 +39,7 @@ class KktSystem {
   bool factorize(const WorkingSet& set);
   bool add_columns(const WorkingSet& set);
   bool factorize_border();
+  bool soften();
   int n_changed(const WorkingSet& set) const;
   void fill_column(int item, Eigen::Ref<VecX> column) const;
   double border_entry(int item_a, int item_b) const;
