@@ -2,7 +2,8 @@
 //
 // What a step costs, stage by stage, against one factorisation and one solve of its own matrix: of every step of a
 // scene's run, in the same process and on one thread, so that the machine's drift hits both. Processor time of the
-// thread; medians. Ipopt solves one program in fifty for comparison.
+// thread; medians. Ipopt solves one program in fifty for comparison, unless told not to: on large meshes it takes
+// minutes.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -39,6 +40,7 @@ double quantile(std::vector<double> values, double share) {
 /// The time of one step; of several attempts at it, all.
 struct StepTimes {
   double detect = 0, remesh = 0, constrain = 0, solve = 0, whole = 0;
+  double rest = 0;                         ///< of the whole: assembly, integration, a second look for contacts, output
   double own = 0, cholmod = 0, aside = 0;  ///< factor and solve, and all that is measured beside the step
   int programs = 0;
   bool changed = false;  ///< the mesh or the EOL set
@@ -46,6 +48,7 @@ struct StepTimes {
 
 class Measurement {
  public:
+  explicit Measurement(bool ask_ipopt) : ask_ipopt_(ask_ipopt) {}
   Stages wrap(const Scene& scene, const ClothSpec& spec);
   void end_step(const RunProgress& progress);
   void report(const std::string& scene) const;
@@ -54,6 +57,7 @@ class Measurement {
   QpResult measure_program(const QpProblem& problem, std::span<const char> guess, const Stages& stages);
   void factor_and_solve(const QpProblem& problem);
 
+  bool ask_ipopt_;
   StepTimes now_;
   double last_ = seconds_of(CLOCK_THREAD_CPUTIME_ID);
   double worst_residual_ = 0;
@@ -81,7 +85,7 @@ QpResult Measurement::measure_program(const QpProblem& problem, std::span<const 
   timed(now_.aside, [&] {
     worst_residual_ = std::max(worst_residual_, result.kkt_residual);
     if (now_.programs++ == 0) factor_and_solve(problem);
-    if (n_programs_++ % ipopt_every == 0) {
+    if (n_programs_++ % ipopt_every == 0 && ask_ipopt_) {
       double ours = 0, theirs = 0;
       timed(ours, [&] { return stages.solve(problem, guess); });
       timed(theirs, [&] { return make_qp_solver(QpMethod::Ipopt)->solve(problem); });
@@ -120,6 +124,7 @@ Stages Measurement::wrap(const Scene& scene, const ClothSpec& spec) {
 void Measurement::end_step(const RunProgress& progress) {
   const double time = seconds_of(CLOCK_THREAD_CPUTIME_ID);
   now_.whole = time - last_ - now_.aside;
+  now_.rest = now_.whole - now_.detect - now_.remesh - now_.constrain - now_.solve;
   steps_.push_back(std::exchange(now_, {}));
   most_faces_ = std::max(most_faces_, progress.faces);
   last_ = seconds_of(CLOCK_THREAD_CPUTIME_ID);
@@ -139,18 +144,22 @@ void Measurement::report(const std::string& scene) const {
   };
   using S = StepTimes;
   std::printf("| %s | %d | %zu |", scene.c_str(), most_faces_, steps_.size());
-  for (double S::*time : {&S::detect, &S::remesh, &S::solve, &S::whole, &S::own, &S::cholmod})
+  for (double S::*time : {&S::detect, &S::remesh, &S::constrain, &S::solve, &S::rest, &S::whole, &S::own, &S::cholmod})
     std::printf(" %.2f |", median(time));
   std::printf(" %.2f (%.2f) | %.2f |", ratio(&S::solve, &S::own, false, 0.5), ratio(&S::solve, &S::own, false, 0.9),
               ratio(&S::solve, &S::own, true, 0.5));
   std::printf(" %.2f | %.2f |", ratio(&S::solve, &S::cholmod, false, 0.5), ratio(&S::solve, &S::cholmod, true, 0.5));
   std::printf(" %.2f | %.2f |", ratio(&S::whole, &S::cholmod, false, 0.5), ratio(&S::whole, &S::cholmod, true, 0.5));
-  std::printf(" %.0f | %.0e |\n", quantile(ipopt_ratio_, 0.5), worst_residual_);
+  std::printf(ipopt_ratio_.empty() ? " - |" : " %.0f |", quantile(ipopt_ratio_, 0.5));
+  std::printf(" %.0e | %.0f |\n", worst_residual_, peak_memory());
+  std::fflush(stdout);
 }
 
-void measure(const std::string& file, double until, const std::vector<std::pair<std::string, std::string>>& changes) {
+using Changes = std::vector<std::pair<std::string, std::string>>;
+
+void measure(const std::string& file, double until, const Changes& changes, bool ask_ipopt) {
   const std::filesystem::path directory = std::filesystem::temp_directory_path() / "crease_step_benchmark";
-  Measurement measurement;
+  Measurement measurement(ask_ipopt);
   RunOptions options;
   options.directory = directory;
   options.force = true;
@@ -170,25 +179,30 @@ void measure(const std::string& file, double until, const std::vector<std::pair<
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: step_benchmark SECONDS SCENE.json.. [--set KEY=VALUE]..\n");
+    std::fprintf(stderr, "usage: step_benchmark SECONDS SCENE.json.. [--set KEY=VALUE].. [--no-ipopt]\n");
     return 2;
   }
   std::vector<std::string> scenes;
-  std::vector<std::pair<std::string, std::string>> changes;
+  crease::Changes changes;
+  bool ask_ipopt = true;
   for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--set" && i + 1 < argc) {
       const std::string change = argv[++i];
       changes.emplace_back(change.substr(0, change.find('=')), change.substr(change.find('=') + 1));
+    } else if (word == "--no-ipopt") {
+      ask_ipopt = false;
     } else {
       scenes.push_back(word);
     }
   }
   std::printf(
       "Milliseconds; ratios of steps that keep the mesh / of those that change it.\n\n"
-      "| scene | faces | steps | detect | remesh | QP | whole step | own factor + solve | CHOLMOD's | QP / own's (p90) "
-      "| "
-      "changed | QP / CHOLMOD's | changed | step / CHOLMOD's | changed | Ipopt / QP | KKT residual, largest |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const std::string& scene : scenes) crease::measure(scene, std::atof(argv[1]), changes);
+      "| scene | faces | steps | detect | remesh | constrain | QP | the rest | whole step | own factor + solve | "
+      "CHOLMOD's "
+      "| QP / own's (p90) | changed | QP / CHOLMOD's | changed | step / CHOLMOD's | changed | Ipopt / QP | KKT "
+      "residual, "
+      "largest | peak memory [MB] "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const std::string& scene : scenes) crease::measure(scene, std::atof(argv[1]), changes, ask_ipopt);
 }
