@@ -157,8 +157,8 @@ bool WorkingSetSearch::solve(const WorkingSet& set) {
   Rest missing = rest(set);
   const double rounding = force_rounding();
   for (double& force : missing.force)
-    if (std::abs(force) <= rounding) force = 0;
-  VecX way = VecX::Zero(qp_.size());  // of the held coordinates to their bounds
+    if (iterations_ > 1 && std::abs(force) <= rounding) force = 0;  // what a solve has left, not what is given
+  VecX way = VecX::Zero(qp_.size());                                // of the held coordinates to their bounds
   for (int i = 0; i < qp_.size(); ++i)
     if (set.held[i]) way[i] = qp_.bound[i] - point_.u[i];
   ReducedPoint correction;
