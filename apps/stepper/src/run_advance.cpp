@@ -12,10 +12,6 @@ namespace {
 constexpr int most_halvings = 10;
 constexpr int finest = 1 << most_halvings;  ///< smallest parts in a step
 
-/// Parts up to this one hold what runs away in the material rather than be halved again: no sliding is so fast, but a
-/// vertex of crumpled or degenerate cloth may be, at any part.
-constexpr int holding_part = finest / 16;
-
 std::string digits(double value) {
   char text[64];
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
@@ -106,7 +102,7 @@ std::vector<std::string> stages_left_out(const std::vector<Stages>& sheets) {
 struct Sheets::Attempt {
   std::vector<StepResult> results;
   std::string failure;
-  bool worth_a_retry = true;
+  bool worth_a_retry = true, ran_away = false;
 };
 
 Sheets::Sheets(const Scene& scene, MakeStages make_stages) : scene_(scene), make_stages_(std::move(make_stages)) {}
@@ -145,6 +141,7 @@ Sheets::Attempt Sheets::attempt(double time, double h, const StepOptions& option
     const StepReport& report = attempt.results.back().report;
     add_times(report.times, row);
     if (report.status == StepStatus::Done) continue;
+    attempt.ran_away = report.status == StepStatus::EulerianStepTooLong;
     attempt.failure = who + "stage " + report.stage + ": " + to_string(report.status);
     if (!report.message.empty()) attempt.failure += " (" + report.message + ")";
     return attempt;
@@ -155,12 +152,18 @@ Sheets::Attempt Sheets::attempt(double time, double h, const StepOptions& option
 std::optional<std::string> Sheets::advance(double time, double h, StepRow& row) {
   const std::vector<Cloth> before = cloths_;
   int done = 0, part = finest;  // of the step, in 1/finest
+  StepOptions options;
   while (done < finest) {
     const double share = static_cast<double>(part) / finest;
-    Attempt tried = attempt(time + h * done / finest, h * share, {.hold_runaways = part <= holding_part}, row);
+    Attempt tried = attempt(time + h * done / finest, h * share, options, row);
     if (!tried.failure.empty()) {
       // What the failed attempt taught the steppers belongs to states that never came to be.
       make_steppers();
+      if (part == 1 && tried.ran_away && !std::exchange(options.hold_runaways, true)) {
+        // No sliding is so fast: a vertex of crumpled or degenerate cloth, which would be as fast in any part.
+        while (part < finest && done % (2 * part) == 0) part *= 2;
+        continue;
+      }
       if (part == 1 || !tried.worth_a_retry) {
         cloths_ = before;
         return tried.failure + (part < finest ? "; tried down to a step of " + digits(h * share) + " s" : "");

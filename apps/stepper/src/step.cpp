@@ -118,17 +118,14 @@ int add_foreseen(std::vector<Contact>& contacts, std::set<ContactKey>& inside, c
   return n;
 }
 
-/// Altitude of a triangle over its longest side below which no step may make it thinner: shares alone would let it
-/// vanish, and its bending energy grow without end.
+/// Altitude of a triangle over its longest side below which no step that holds runaways may make it thinner: shares
+/// alone would let it vanish in a row of such steps, and its bending energy grow without end.
 constexpr double thinnest = 1e-2;
 
-/// EOL vertices at triangles that lost more of their material area than they may.
-struct Runaways {
-  std::vector<int> at_needles, too_far;  ///< where no step is short enough, and where a shorter one may be
-};
-
-Runaways runaways(const Cloth& before, const Cloth& after) {
-  Runaways found;
+/// EOL vertices at the triangles that lost more of their material area than they may.
+/// @param keeps_needles  also at those that got thinner and may not
+std::vector<int> runaways(const Cloth& before, const Cloth& after, bool keeps_needles) {
+  std::vector<int> found;
   const auto is_thin = [&](int f) {
     double longest = 0;
     for (int k = 0; k < 3; ++k) longest = std::max(longest, after.mesh.material_length(3 * f + k));
@@ -138,10 +135,8 @@ Runaways runaways(const Cloth& before, const Cloth& after) {
     const auto& corners = before.mesh.face(f);
     if (std::none_of(corners.begin(), corners.end(), [&](int v) { return before.is_eol(v); })) continue;
     const double area = after.mesh.material_area(f), area_before = before.mesh.material_area(f);
-    const bool goes_too_far = !(area >= min_area_share * area_before), is_needle = area < area_before && is_thin(f);
-    if (!goes_too_far && !is_needle) continue;
-    auto& vertices = goes_too_far ? found.too_far : found.at_needles;
-    std::copy_if(corners.begin(), corners.end(), std::back_inserter(vertices), [&](int v) { return before.is_eol(v); });
+    if (area >= min_area_share * area_before && !(keeps_needles && area < area_before && is_thin(f))) continue;
+    std::copy_if(corners.begin(), corners.end(), std::back_inserter(found), [&](int v) { return before.is_eol(v); });
   }
   return found;
 }
@@ -442,13 +437,12 @@ bool SheetStepper::Impl::find_motion(Work& work, Cloth& next) {
   while (constrain_and_solve(work)) {
     next = moved(work);
     if (!all_finite(next)) return work.fail(StepStatus::NotFinite, "integrate", "a position or velocity is not finite");
-    const auto [at_needles, too_far] = runaways(work.cloth, next);
-    if (too_far.empty() && at_needles.empty()) return true;
-    bool holds_more = hold(work, at_needles);
-    if (work.options.hold_runaways) holds_more = hold(work, too_far) || holds_more;
-    if (holds_more) continue;
-    return too_far.empty() || work.fail(StepStatus::EulerianStepTooLong, "integrate",
-                                        "an EOL vertex would cross more than 0.3 of a triangle");
+    const std::vector<int> found = runaways(work.cloth, next, work.options.hold_runaways);
+    if (found.empty()) return true;
+    if (!work.options.hold_runaways)
+      return work.fail(StepStatus::EulerianStepTooLong, "integrate",
+                       "an EOL vertex would cross more than 0.3 of a triangle");
+    if (!hold(work, found)) return true;  // all that could be: what is left is rounding
   }
   return false;
 }

@@ -74,8 +74,9 @@ struct SheetSettings {
 };
 
 struct StepOptions {
-  /// An EOL vertex that would cross more of a triangle than one step may, does not fail the step, but keeps its
-  /// material coordinates in it. It still stands on its feature; the cloth does not slide there for that long.
+  /// A last resort: an EOL vertex that would cross more of a triangle than one step may, or make a needle of one
+  /// thinner, does not fail the step, but keeps its material coordinates in it. It still stands on its feature; the
+  /// cloth does not slide there for that long.
   bool hold_runaways = false;
 };
 
