@@ -15,13 +15,10 @@
 #include "crease/geometry/wire.hpp"
 #include "crease/solver/linear_solver.hpp"
 #include "feature_tracking.hpp"
+#include "runaways.hpp"
 
 namespace crease {
 namespace {
-
-/// Smallest share of its material area that a triangle may keep in one step. An EOL vertex may thus cross at most 0.3
-/// of the altitude ahead of it: the material Courant number at which explicit velocity terms are still accurate.
-constexpr double min_area_share = 0.7;
 
 /// Solutions of one step, each with the contacts that the one before ran into.
 constexpr int max_passes = 4;
@@ -116,29 +113,6 @@ int add_foreseen(std::vector<Contact>& contacts, std::set<ContactKey>& inside, c
     ++n;
   }
   return n;
-}
-
-/// Altitude of a triangle over its longest side below which no step that holds runaways may make it thinner: shares
-/// alone would let it vanish in a row of such steps, and its bending energy grow without end.
-constexpr double thinnest = 1e-2;
-
-/// EOL vertices at the triangles that lost more of their material area than they may.
-/// @param keeps_needles  also at those that got thinner and may not
-std::vector<int> runaways(const Cloth& before, const Cloth& after, bool keeps_needles) {
-  std::vector<int> found;
-  const auto is_thin = [&](int f) {
-    double longest = 0;
-    for (int k = 0; k < 3; ++k) longest = std::max(longest, after.mesh.material_length(3 * f + k));
-    return 2 * after.mesh.material_area(f) < thinnest * longest * longest;
-  };
-  for (int f = 0; f < before.mesh.n_faces(); ++f) {
-    const auto& corners = before.mesh.face(f);
-    if (std::none_of(corners.begin(), corners.end(), [&](int v) { return before.is_eol(v); })) continue;
-    const double area = after.mesh.material_area(f), area_before = before.mesh.material_area(f);
-    if (area >= min_area_share * area_before && !(keeps_needles && area < area_before && is_thin(f))) continue;
-    std::copy_if(corners.begin(), corners.end(), std::back_inserter(found), [&](int v) { return before.is_eol(v); });
-  }
-  return found;
 }
 
 /// What the stages of one step hand on to each other.
@@ -432,17 +406,17 @@ bool SheetStepper::Impl::constrain_and_solve(Work& work) {
   return work.fail(StepStatus::ContactsUnsettled, "solve", "every solution runs into obstacles that are not in it yet");
 }
 
-// Solves, and again with those EOL vertices held that would go too far: each time more of them, so it ends.
+// Solves, and again with those EOL vertices held that may not go on: each time more of them, so it ends.
 bool SheetStepper::Impl::find_motion(Work& work, Cloth& next) {
   while (constrain_and_solve(work)) {
     next = moved(work);
     if (!all_finite(next)) return work.fail(StepStatus::NotFinite, "integrate", "a position or velocity is not finite");
-    const std::vector<int> found = runaways(work.cloth, next, work.options.hold_runaways);
-    if (found.empty()) return true;
-    if (!work.options.hold_runaways)
+    Runaways found = find_runaways(work.cloth, next);
+    if (!found.too_far.empty() && !work.options.hold_runaways)
       return work.fail(StepStatus::EulerianStepTooLong, "integrate",
                        "an EOL vertex would cross more than 0.3 of a triangle");
-    if (!hold(work, found)) return true;  // all that could be: what is left is rounding
+    found.too_far.insert(found.too_far.end(), found.at_needles.begin(), found.at_needles.end());
+    if (found.too_far.empty() || !hold(work, found.too_far)) return true;  // if all are held, what is left is rounding
   }
   return false;
 }

@@ -71,13 +71,15 @@ class Linker {
  private:
   const Mesh& mesh() const { return c_.mesh(); }
   double place(int v) const { return edge_.parameter(mesh().x[v]); }
-  bool has_link(int v, bool ahead) const;
+  int linked(int v, bool ahead) const;
+  bool has_link(int v, bool ahead) const { return linked(v, ahead) != Mesh::none; }
   bool could_follow(int p, int q) const;
   bool lies_near(const Vec3& x) const;
   Vec3 cloth_normal(int v) const;
   bool may_pass(int u) const;
   bool is_on_feature(int p, int q) const;
   bool make_link(int p, int q);
+  void take_in(int p);
   int step_to_vertex(int p, int u, int q);
   int step_over_edge(int p, int q, const Exit& exit);
 
@@ -87,10 +89,33 @@ class Linker {
   WorldEdge edge_;
 };
 
-bool Linker::has_link(int v, bool ahead) const {
+int Linker::linked(int v, bool ahead) const {
   for (const int u : mesh().neighbours(v))
-    if (mesh().tag(mesh().find_edge(v, u)) == tag_ && (place(u) > place(v)) == ahead) return true;
-  return false;
+    if (mesh().tag(mesh().find_edge(v, u)) == tag_ && (place(u) > place(v)) == ahead) return u;
+  return Mesh::none;
+}
+
+// A face with all three vertices on the obstacle edge has no area in the world: nothing holds it open, its vertices run
+// together in the material. Its middle one belongs into the chain that passes it by; the face goes.
+void Linker::take_in(int p) {
+  const int q = linked(p, true);
+  if (q == Mesh::none) return;
+  for (const int h : {mesh().find_edge(p, q), mesh().twin(mesh().find_edge(p, q))}) {
+    if (h == Mesh::none || mesh().is_border(h)) continue;
+    const int m = mesh().opposite(h);
+    if (!lies_on(c_.cloth().feature[m], feature_, c_.obstacles) || !c_.cloth().rides(m)) continue;
+    if (!(place(p) < place(m) && place(m) < place(q)) || has_link(m, true) || has_link(m, false)) continue;
+    c_.editor.set_tag(h, 0);
+    if (!flip_check(c_.cloth(), h).sound) {
+      c_.editor.set_tag(h, tag_);
+      c_.editor.refuse(RefusalReason::NotConnected, m, mesh().X[m]);
+      continue;
+    }
+    c_.editor.flip(h);
+    c_.editor.set_tag(mesh().find_edge(p, m), tag_);
+    c_.editor.set_tag(mesh().find_edge(m, q), tag_);
+    return;
+  }
 }
 
 bool Linker::could_follow(int p, int q) const {
@@ -205,7 +230,10 @@ void Linker::link(std::vector<int> members) {
             [&](int p, int q) { return std::pair(place(p), p) < std::pair(place(q), q); });
   for (std::size_t i = 0; i + 1 < members.size(); ++i) {
     const int p = members[i];
-    if (has_link(p, true)) continue;
+    if (has_link(p, true)) {
+      take_in(p);
+      continue;
+    }
     const std::size_t end = std::min(members.size(), i + 1 + max_lookahead);
     for (std::size_t j = i + 1; j < end; ++j) {
       const int q = members[j];

@@ -42,8 +42,8 @@ struct StepReport {
   int splits = 0, flips = 0, collapses = 0;
   Carried before_remesh, after_remesh;  ///< zeros where the stage is left out
   bool qp_fell_back = false;            ///< see QpResult
-  int held = 0;                         ///< EOL vertices, see StepOptions::hold_runaways
-  int caught = 0;                       ///< 1 if nothing could be pushed out, as the rows contradicted each other
+  int held = 0;  ///< EOL vertices that kept their material coordinates: at needles, and see StepOptions::hold_runaways
+  int caught = 0;  ///< 1 if nothing could be pushed out, as the rows contradicted each other
   double kkt_residual = 0;
   double kinetic_energy = 0, membrane_energy = 0, bending_energy = 0, gravitational_energy = 0;  ///< before the step
   Vec3 momentum = Vec3::Zero();
@@ -74,9 +74,9 @@ struct SheetSettings {
 };
 
 struct StepOptions {
-  /// A last resort: an EOL vertex that would cross more of a triangle than one step may, or make a needle of one
-  /// thinner, does not fail the step, but keeps its material coordinates in it. It still stands on its feature; the
-  /// cloth does not slide there for that long.
+  /// A last resort: an EOL vertex that would cross more of a triangle than one step may does not fail the step, but
+  /// keeps its material coordinates in it, like those at needles in any step. It still stands on its feature; the cloth
+  /// does not slide there for that long.
   bool hold_runaways = false;
 };
 
