@@ -119,7 +119,7 @@ TEST(Conform, KeepsTheChainWhileTheSheetSlidesOver) {
 }
 
 // The sheet hovers over the edge. Near enough, the chain begins where the surface is, and the solver closes the gap;
-// farther away it does not begin yet, so that what the stepper lets go at half the threshold is not caught again.
+// farther away it does not begin yet, so that what the stepper lets go from half the threshold is not caught again.
 TEST(Conform, BeginsAChainWithoutMovingTheSurface) {
   for (const double gap : {0.2e-3, -0.2e-3, 0.3e-3}) {
     SlidingSheet sheet({.pattern = GridPattern::Irregular, .angle = 20 * degree});

@@ -20,6 +20,9 @@ constexpr double closed_share = 1e-3;
 /// Gap at which it has separated. In between it hovers: it keeps its five unknowns and its rows, which let it return,
 /// so a fold that rattles by micrometres changes neither mesh nor state; moving it back by hand would strain the cloth.
 constexpr double separated_share = 0.5;
+/// The same for an edge: its distance. Cloth that slides over an edge in a shallow fold rattles more than over a tip,
+/// and each turn that it ends costs a chain.
+constexpr double off_edge_share = 1;
 
 /// A fold this sharp [rad] goes on as one when it lifts off, until it is flatter than that. Flat cloth has no fold to
 /// follow, and x and X of a vertex in it could slide against each other.
@@ -97,8 +100,8 @@ bool stays(Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles, c
     lifted = share >= least_share && share <= fastest_share;
   }
   if (lifted) return true;
-  return std::all_of(edge.normals.begin(), edge.normals.end(),
-                     [&](const Vec3& n) { return settle(x, a, pose.rotation * n, closed) <= separated; });
+  for (const Vec3& n : edge.normals) settle(x, a, pose.rotation * n, closed);
+  return way.distance <= off_edge_share * threshold;
 }
 
 bool stays(const SharpCorner& corner, const Pose& pose, double threshold, Vec3& x) {

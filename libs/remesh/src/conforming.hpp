@@ -37,7 +37,7 @@ inline constexpr double cross_share = 0.35, cross_insert_share = 0.6;
 // -- shares of `snap` (world)
 // -------------------------------------------------------------------------------------------
 /// A vertex begins to ride on a feature when the cloth has come nearer to it than this; it stays where the surface is,
-/// and the solver's rows close the gap. Half of what ends the ride: the stepper releases at 0.5.
+/// and the solver's rows close the gap. Far below what ends the ride: the stepper releases at 0.5, from edges at 1.
 inline constexpr double begin_share = 0.25;
 /// The same beside two vertices that ride already: between them the cloth belongs to the chain.
 inline constexpr double link_share = 0.45;
