@@ -73,7 +73,7 @@ int run(const std::string& file, double longest, int steps) {
     }
     cloth = std::move(result.cloth);
     std::cout << "step " << n + 1 << ": faces " << cloth.mesh.n_faces() << ", splits " << result.report.splits
-              << ", membrane energy " << result.report.membrane_energy << " J\n";
+              << ", membrane energy " << result.report.energies.membrane << " J\n";
   }
   return 0;
 }

@@ -54,7 +54,7 @@ TEST(SewnCloth, HasTheSystemAndTheEnergiesOfOneSheet) {
     EXPECT_LT((MatX(other.H) - expected).norm(), 1e-11 * expected.norm());
     EXPECT_EQ((MatX(other.H) - MatX(other.H).transpose()).norm(), 0);
     EXPECT_LT((other.rhs - P * one.rhs).norm(), 1e-11 * one.rhs.norm());
-    EXPECT_NEAR(other.bending_energy, one.bending_energy, 1e-11 * one.bending_energy);
+    EXPECT_NEAR(other.energies.bending, one.energies.bending, 1e-11 * one.energies.bending);
     const Energies a = measure_energies(cloths.whole, material, Vec3(0, 0, -9.81)),
                    b = measure_energies(cloths.sewn, material, Vec3(0, 0, -9.81));
     EXPECT_NEAR(a.bending, b.bending, 1e-11 * a.bending);

@@ -73,15 +73,8 @@ void Tally::add(const StepRow& row) {
 
 Energies measure(const Scene& scene, std::span<const Cloth> cloths) {
   Energies all;
-  for (std::size_t c = 0; c < cloths.size(); ++c) {
-    const Energies one = measure_energies(cloths[c], scene.cloths[c].material, scene.gravity);
-    all.kinetic += one.kinetic;
-    all.membrane += one.membrane;
-    all.bending += one.bending;
-    all.gravitational += one.gravitational;
-    all.momentum += one.momentum;
-    all.angular_momentum += one.angular_momentum;
-  }
+  for (std::size_t c = 0; c < cloths.size(); ++c)
+    all += measure_energies(cloths[c], scene.cloths[c].material, scene.gravity);
   return all;
 }
 

@@ -2,7 +2,6 @@
 #include "crease/stepper/run.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <exception>
 #include <span>
@@ -13,6 +12,7 @@
 #include "checkpoint.hpp"
 #include "crease/base/require.hpp"
 #include "crease/collision/detect.hpp"
+#include "digits.hpp"
 #include "frames.hpp"
 #include "output_file.hpp"
 #include "output_obstacles.hpp"
@@ -45,11 +45,6 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-std::string digits(double value) {
-  char text[64];
-  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 9).ptr};
-}
-
 /// What `parse` makes of a file; its complaints get the file's name.
 template <class Parse>
 auto parse_file(const std::filesystem::path& path, Parse parse) {
@@ -62,8 +57,8 @@ auto parse_file(const std::filesystem::path& path, Parse parse) {
 }
 
 std::string failed_step(const Schedule& schedule, int step, const std::string& why) {
-  return "step " + std::to_string(step) + " (time " + digits(schedule.end_of(step - 1)) + " s to " +
-         digits(schedule.end_of(step)) + " s), " + why;
+  return "step " + std::to_string(step) + " (time " + digits(schedule.end_of(step - 1), 9) + " s to " +
+         digits(schedule.end_of(step), 9) + " s), " + why;
 }
 
 bool nothing_drives(const Scene& scene) {
@@ -193,11 +188,11 @@ RunResult Run::take_steps(const std::function<bool(const RunProgress&)>& progres
     const bool go_on = !progress || progress(reached());
     if (!go_on && !reached_end() && !reached_until())
       return finish(RunStatus::Interrupted, "interrupted after step " + std::to_string(step_) + " (time " +
-                                                digits(time()) + " s); --resume continues");
+                                                digits(time(), 9) + " s); --resume continues");
   }
-  return finish(RunStatus::Done,
-                reached_end() ? "reached the end of the scene"
-                              : "stopped at time " + digits(time()) + " s, as --until asked for; --resume continues");
+  return finish(RunStatus::Done, reached_end() ? "reached the end of the scene"
+                                               : "stopped at time " + digits(time(), 9) +
+                                                     " s, as --until asked for; --resume continues");
 }
 
 RunProgress Run::reached() const {
@@ -301,15 +296,15 @@ void Run::take_checkpoint() {
 std::vector<std::string> Run::warnings() const {
   std::vector<std::string> all = unresolved_;
   if (const double n = tally_.sums().held; n > 0)
-    all.push_back("EOL vertices were kept from running over the triangles ahead " + digits(n) +
+    all.push_back("EOL vertices were kept from running over the triangles ahead " + digits(n, 9) +
                   " times, and the cloth from sliding there meanwhile: see 'held' in steps.csv");
   if (const double n = tally_.sums().caught; n > 0)
-    all.push_back("the cloth was caught between features in " + digits(n) +
+    all.push_back("the cloth was caught between features in " + digits(n, 9) +
                   " parts of steps, and not pushed out of them meanwhile: see 'caught' in steps.csv");
   const double gained = tally_.most_energy() - start_.total();
   const double swing = std::max(start_.kinetic, tally_.most_kinetic_energy());
   if (nothing_drives(scene_) && gained > energy_slack * swing)
-    all.push_back("the energy rose by " + digits(gained) +
+    all.push_back("the energy rose by " + digits(gained, 9) +
                   " J above that of the start, though nothing drives the cloth: " +
                   "the time step is too long, or the mesh too coarse for what happens");
   return all;

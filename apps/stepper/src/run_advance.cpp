@@ -2,20 +2,16 @@
 #include "run_advance.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <exception>
 #include <utility>
+
+#include "digits.hpp"
 
 namespace crease {
 namespace {
 
 constexpr int most_halvings = 10;
 constexpr int finest = 1 << most_halvings;  ///< smallest parts in a step
-
-std::string digits(double value) {
-  char text[64];
-  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
-}
 
 void add_times(const StageTimes& times, StepRow& row) {
   row.t_detect += times.detect;
@@ -166,7 +162,7 @@ std::optional<std::string> Sheets::advance(double time, double h, StepRow& row) 
       }
       if (part == 1 || !tried.worth_a_retry) {
         cloths_ = before;
-        return tried.failure + (part < finest ? "; tried down to a step of " + digits(h * share) + " s" : "");
+        return tried.failure + (part < finest ? "; tried down to a step of " + digits(h * share, 6) + " s" : "");
       }
       ++row.retries;
       part /= 2;

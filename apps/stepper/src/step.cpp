@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "contact_keys.hpp"
 #include "crease/base/require.hpp"
 #include "crease/geometry/dof_map.hpp"
 #include "crease/geometry/triangle.hpp"
@@ -79,40 +80,6 @@ bool outran(const Vec3& x, const Vec3& solved, const Vec3& looked, std::span<con
     const Vec3 there = obstacle.pose.velocity_at(x);
     return h * (solved - there).norm() > h * (looked - there).norm() + threshold;
   });
-}
-
-using ContactKey = std::tuple<ContactType, int, FeatureKind, int, std::array<int, 3>>;
-ContactKey key_of(const Contact& c) {
-  return {c.type, c.obstacle, c.feature.kind, c.feature.index, c.vertices};
-}
-
-std::set<ContactKey> keys_of(const std::vector<Contact>& contacts) {
-  std::set<ContactKey> keys;
-  for (const Contact& contact : contacts) keys.insert(key_of(contact));
-  return keys;
-}
-
-/// Adds the contacts of `more` that are not in `known`, to both; their number.
-int add_new(std::vector<Contact>& contacts, std::set<ContactKey>& known, const std::vector<Contact>& more) {
-  int n = 0;
-  for (const Contact& contact : more) {
-    if (!known.insert(key_of(contact)).second) continue;
-    contacts.push_back(contact);
-    ++n;
-  }
-  return n;
-}
-
-/// Adds what a solution runs into; the number. The same pair may do so again at another place, unless it was inside to
-/// begin with: then it comes out no faster than it may, and stays inside for now.
-int add_foreseen(std::vector<Contact>& contacts, std::set<ContactKey>& inside, const std::vector<Contact>& foreseen) {
-  int n = 0;
-  for (const Contact& contact : foreseen) {
-    if (contact.distance < 0 && !inside.insert(key_of(contact)).second) continue;
-    contacts.push_back(contact);
-    ++n;
-  }
-  return n;
 }
 
 /// What the stages of one step hand on to each other.
@@ -326,11 +293,7 @@ bool SheetStepper::Impl::assemble(Work& work) {
   system = &assembler.assemble(work.cloth, work.dofs, settings.material, settings.dynamics, work.h,
                                same_topology(work.cloth));
   StepReport& report = work.report;
-  report.kinetic_energy = system->kinetic_energy;
-  report.membrane_energy = system->membrane_energy;
-  report.bending_energy = system->bending_energy;
-  report.gravitational_energy = system->gravitational_energy;
-  report.momentum = system->momentum;
+  report.energies = system->energies;
   report.times.assemble = work.watch.lap();
   return system->rhs.allFinite() || work.fail(StepStatus::NotFinite, "assemble", "forces are not finite");
 }

@@ -249,15 +249,9 @@ void Assembler::Impl::lay_out(const Mesh& mesh, const DofMap& dofs, bool bends, 
 // Energies are added up here, in one order for any number of threads.
 void Assembler::Impl::finish(double h) {
   system.rhs += h * system.force;
-  Energies energies;
-  for (const Energies& face : face_energies) add(face, energies);
-  for (const double bending : hinge_energies) energies.bending += bending;
-  system.kinetic_energy = energies.kinetic;
-  system.membrane_energy = energies.membrane;
-  system.bending_energy = energies.bending;
-  system.gravitational_energy = energies.gravitational;
-  system.momentum = energies.momentum;
-  system.angular_momentum = energies.angular_momentum;
+  system.energies = {};
+  for (const Energies& face : face_energies) system.energies += face;
+  for (const double bending : hinge_energies) system.energies.bending += bending;
 }
 
 Assembler::Assembler(int threads) : impl_(std::make_unique<Impl>()) {

@@ -44,6 +44,5 @@ FaceState read_face(const Cloth& cloth, int face, double density);
 
 /// What a face carries: all but the bending energy.
 Energies energies_of(const FaceState& face, const Vec3& gravity, double membrane);
-void add(const Energies& part, Energies& sum);
 
 }  // namespace crease

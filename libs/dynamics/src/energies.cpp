@@ -45,13 +45,14 @@ Energies energies_of(const FaceState& face, const Vec3& gravity, double membrane
   return energies;
 }
 
-void add(const Energies& part, Energies& sum) {
-  sum.kinetic += part.kinetic;
-  sum.membrane += part.membrane;
-  sum.bending += part.bending;
-  sum.gravitational += part.gravitational;
-  sum.momentum += part.momentum;
-  sum.angular_momentum += part.angular_momentum;
+Energies& Energies::operator+=(const Energies& part) {
+  kinetic += part.kinetic;
+  membrane += part.membrane;
+  bending += part.bending;
+  gravitational += part.gravitational;
+  momentum += part.momentum;
+  angular_momentum += part.angular_momentum;
+  return *this;
 }
 
 Energies measure_energies(const Cloth& cloth, const Material& material, const Vec3& gravity) {
@@ -61,7 +62,7 @@ Energies measure_energies(const Cloth& cloth, const Material& material, const Ve
   Energies energies;
   for (int f = 0; f < mesh.n_faces(); ++f) {
     const FaceState face = read_face(cloth, f, material.density);
-    add(energies_of(face, gravity, membrane_energy(face.state.X, face.state.x, material)), energies);
+    energies += energies_of(face, gravity, membrane_energy(face.state.X, face.state.x, material));
   }
   if (material.bending == 0) return energies;
   for (const Hinge& hinge : all_hinges(mesh)) {

@@ -45,8 +45,7 @@ struct StepReport {
   int held = 0;  ///< EOL vertices that kept their material coordinates: at needles, and see StepOptions::hold_runaways
   int caught = 0;  ///< 1 if nothing could be pushed out, as the rows contradicted each other
   double kkt_residual = 0;
-  double kinetic_energy = 0, membrane_energy = 0, bending_energy = 0, gravitational_energy = 0;  ///< before the step
-  Vec3 momentum = Vec3::Zero();
+  Energies energies;                  ///< before the step
   Vec3 edge_reaction = Vec3::Zero();  ///< force of all EOL vertices' contacts on the cloth [N]
   Vec3 pin_reaction = Vec3::Zero();   ///< force of all pins on the cloth [N]
   StageTimes times;

@@ -15,16 +15,23 @@ struct DynamicsOptions {
   bool velocity_terms = true;  ///< false: the paper's equations, without C
 };
 
+struct Energies {
+  double kinetic = 0, membrane = 0, bending = 0, gravitational = 0;  ///< [J]
+  Vec3 momentum = Vec3::Zero();                                      ///< linear, of the world velocity field [kg m/s]
+  Vec3 angular_momentum = Vec3::Zero();                              ///< about the origin [kg m^2/s]
+
+  double total() const { return kinetic + membrane + bending + gravitational; }
+  Energies& operator+=(const Energies& part);
+};
+
 /// The linearly implicit step of one sheet, in the unknowns of `dofs`:  H qdot_{k+1} = rhs (+ constraint impulses).
 ///   H   = M + (h^2 + h damping) K,   K = -df/dq mapped by J^T (.) J with each element's own F (Eq. 10), PSD
 ///   rhs = M qdot_k + h (f - C),      f = (f, -F^T f) (Eq. 9) + the exact membrane term -psi A g_i on X
 struct AssembledSystem {
   SparseMatrix H;  ///< both triangles stored; pattern fixed while the topology and the EOL set stay
   VecX rhs;
-  VecX force;  ///< f - C, generalised [N]
-  double kinetic_energy = 0, membrane_energy = 0, bending_energy = 0, gravitational_energy = 0;  ///< at q_k, [J]
-  Vec3 momentum = Vec3::Zero();          ///< linear, of the world velocity field [kg m/s]
-  Vec3 angular_momentum = Vec3::Zero();  ///< about the origin [kg m^2/s]
+  VecX force;         ///< f - C, generalised [N]
+  Energies energies;  ///< at q_k
 };
 
 /// Keeps the sparsity pattern and every element's place in it; rebuilds them only when told that the mesh or the EOL
@@ -49,11 +56,6 @@ class Assembler {
 };
 
 /// Energies and momenta of a state alone (no system).
-struct Energies {
-  double kinetic = 0, membrane = 0, bending = 0, gravitational = 0;
-  Vec3 momentum = Vec3::Zero(), angular_momentum = Vec3::Zero();
-  double total() const { return kinetic + membrane + bending + gravitational; }
-};
 Energies measure_energies(const Cloth& cloth, const Material& material, const Vec3& gravity);
 
 }  // namespace crease
