@@ -29,6 +29,20 @@ TEST(Run, GivesOneRowAStepAndReachesTheDuration) {
   EXPECT_NEAR(steps["time_step"].back(), 0.0025, 1e-15);  // a difference of the two times above
 }
 
+// A block rises round a pinned corner: pins decide, so the cloth goes into it, and the run says so.
+TEST(Run, WarnsOfClothInsideAnObstacle) {
+  const TestFolder folder;
+  LoadedScene loaded = hanging_scene();
+  Obstacle block{.name = "block", .shape = make_box({0.2, 0.2, 0.2}), .start = {}, .motion = {}};
+  block.start.position = loaded.cloths[0].mesh.x[0] - Vec3(0, 0, 0.105);
+  block.motion = {{.time = 0, .velocity = {0, 0, 0.5}}};
+  loaded.scene.obstacles = {block};
+  const RunResult result = run_scene(loaded, {.directory = folder.path(), .until = 0.05});
+  ASSERT_EQ(result.status, RunStatus::Done) << result.message;
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_NE(result.warnings[0].find("inside an obstacle by 0.02 m at 0.05 s"), std::string::npos) << result.warnings[0];
+}
+
 // At 50 m/s a step of 5 ms bends the sheet by half its length, which no linearisation follows. At .5 m/s all is well;
 // and with a hand that moves, energy may come from there.
 TEST(Run, WarnsOfEnergyThatNothingGave) {

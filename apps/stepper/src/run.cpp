@@ -301,6 +301,9 @@ std::vector<std::string> Run::warnings() const {
   if (const double n = tally_.sums().caught; n > 0)
     all.push_back("the cloth was caught between features in " + digits(n, 9) +
                   " parts of steps, and not pushed out of them meanwhile: see 'caught' in steps.csv");
+  if (const StepRow& row = tally_.deepest(); row.max_penetration > scene_.threshold)
+    all.push_back("the cloth was inside an obstacle by " + digits(row.max_penetration, 3) + " m at " +
+                  digits(row.time, 9) + " s, more than the contact threshold: see 'max_penetration' in steps.csv");
   const double gained = tally_.most_energy() - start_.total();
   const double swing = std::max(start_.kinetic, tally_.most_kinetic_energy());
   if (nothing_drives(scene_) && gained > energy_slack * swing)
