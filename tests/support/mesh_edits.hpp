@@ -18,30 +18,6 @@
 /// and the random tests share it.
 namespace crease::support {
 
-/// A grid whose edges along one line are cut open from the lower border to the middle: what a seam is to this mesh, two
-/// borders at one place in material space.
-inline Mesh slit(GridPattern pattern = GridPattern::Alternating) {
-  const Mesh whole = grid(pattern, 6, 6);
-  std::vector<Vec2> X = whole.X;
-  std::vector<Vec3> x = whole.x;
-  std::vector<int> twin(X.size(), Mesh::none);
-  for (int v = 0; v < whole.n_vertices(); ++v) {
-    if (std::abs(whole.X[v].x() - 0.6) > 1e-9 || whole.X[v].y() > 0.5) continue;
-    twin[v] = static_cast<int>(X.size());
-    X.push_back(whole.X[v]);
-    x.push_back(whole.x[v]);
-  }
-  std::vector<std::array<int, 3>> faces;
-  for (int f = 0; f < whole.n_faces(); ++f) {
-    faces.push_back(whole.face(f));
-    const auto P = material_corners(whole, f);
-    if ((P[0] + P[1] + P[2]).x() / 3 < 0.6) continue;
-    for (int& v : faces.back())
-      if (twin[v] != Mesh::none) v = twin[v];
-  }
-  return Mesh(X, x, faces);
-}
-
 /// Two panels that lie over each other in material space and share nothing.
 inline Mesh panels() {
   const Mesh one = grid(GridPattern::Cross, 4, 4), other = grid(GridPattern::Irregular, 5, 5, 3);

@@ -101,16 +101,18 @@ inline Mesh pillow(int n = 4) {
   return mesh;
 }
 
-/// A sheet with a wedge cut out, from the lower border to the middle, that is sewn up: the seam ends inside the sheet.
-inline Mesh dart() {
-  const Mesh whole = grid(GridPattern::Alternating, 6, 6);
+/// A grid whose edges along one line are cut open from the lower border to the middle: two borders that stand at one
+/// place in the world, and in material space a wedge apart.
+/// @param slope  how much each side of the wedge recedes over its length
+inline Mesh slit(GridPattern pattern = GridPattern::Alternating, double slope = 0) {
+  const Mesh whole = grid(pattern, 6, 6);
   std::vector<Vec2> X = whole.X;
   std::vector<Vec3> x = whole.x;
   std::vector<int> twin(X.size(), Mesh::none);
   for (int v = 0; v < whole.n_vertices(); ++v) {
     if (std::abs(whole.X[v].x() - 0.6) > 1e-9 || whole.X[v].y() > 0.5) continue;
     twin[v] = static_cast<int>(X.size());
-    const Vec2 aside(0.05 * (0.6 - whole.X[v].y()), 0);
+    const Vec2 aside(slope * (0.6 - whole.X[v].y()), 0);
     X.push_back(whole.X[v] + aside);
     X[v] -= aside;
     x.push_back(whole.x[v]);
@@ -123,7 +125,12 @@ inline Mesh dart() {
     for (int& v : faces.back())
       if (twin[v] != Mesh::none) v = twin[v];
   }
-  Mesh mesh(X, x, faces);
+  return Mesh(X, x, faces);
+}
+
+/// A sheet with a wedge cut out, from the lower border to the middle, that is sewn up: the seam ends inside the sheet.
+inline Mesh dart() {
+  Mesh mesh = slit(GridPattern::Alternating, 0.05);
   sew(mesh);
   return mesh;
 }

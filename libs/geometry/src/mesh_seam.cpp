@@ -26,16 +26,18 @@ bool Mesh::are_tied(int a, int b) const {
 }
 
 // One half-edge leaves each vertex along the border: its anchor.
-int Mesh::seam_twin(int h) const {
-  if (!has_seams() || !is_border(h)) return none;
-  const int a = from(h), b = to(h);
-  int v = b;
+int Mesh::border_halfedge(int a, int b, int except) const {
+  int v = a;
   do {
     const int out = vertex_halfedge_[v];
-    if (is_border(out) && are_tied(to(out), a)) return out;
+    if (out != except && is_border(out) && are_tied(to(out), b)) return out;
     v = tied(v);
-  } while (v != b);
+  } while (v != a);
   return none;
+}
+
+int Mesh::seam_twin(int h) const {
+  return has_seams() && is_border(h) ? border_halfedge(to(h), from(h)) : none;
 }
 
 Mesh::Ends Mesh::across_seam(int vertex, int into) const {
@@ -60,26 +62,8 @@ void Mesh::tie(int a, int b) {
   if (!are_tied(a, b)) std::swap(tied_[a], tied_[b]);
 }
 
-// Whether another border edge runs the same way between the same places: no surface has three sides at one edge.
-bool Mesh::has_double(int h) const {
-  for (int v = tied(from(h)); v != from(h); v = tied(v)) {
-    const int out = vertex_halfedge_[v];
-    if (is_border(out) && are_tied(to(out), to(h))) return true;
-  }
-  return false;
-}
-
-// Whether a border edge runs between the places of a and b, in either direction.
 bool Mesh::are_joined(int a, int b) const {
-  for (const auto& [start, end] : {std::pair{a, b}, std::pair{b, a}}) {
-    int v = start;
-    do {
-      const int out = vertex_halfedge_[v];
-      if (is_border(out) && are_tied(to(out), end)) return true;
-      v = tied(v);
-    } while (v != start);
-  }
-  return false;
+  return border_halfedge(a, b) != none || border_halfedge(b, a) != none;
 }
 
 // Whether the border edge that a collapse along the border leaves would run between the same two places as another one,
@@ -125,7 +109,7 @@ std::optional<std::string> Mesh::seam_trouble() const {
     const auto& [a, b, c] = faces_[f];
     if (are_tied(a, b) || are_tied(b, c) || are_tied(c, a)) return "face " + std::to_string(f) + " has tied corners";
     for (int h = 3 * f; h < 3 * f + 3; ++h)
-      if (is_border(h) && has_double(h))
+      if (is_border(h) && border_halfedge(from(h), to(h), h) != none)  // no surface has three sides at one edge
         return "half-edge " + std::to_string(h) + " runs beside one that is sewn to it";
   }
   return std::nullopt;

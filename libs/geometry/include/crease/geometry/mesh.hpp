@@ -175,8 +175,8 @@ class Mesh {
  private:
   Split split_side(int h, double t);
   bool can_split_side(int h, double t) const;
-  bool has_double(int h) const;
-  bool are_joined(int a, int b) const;
+  int border_halfedge(int a, int b, int except = none) const;  // from the place of a to that of b, or none
+  bool are_joined(int a, int b) const;                         // whether there is one, in either direction
   bool closes_a_seam(int vertex, int into) const;
   bool seam_allows_collapse(int vertex, int into) const;
   bool can_collapse_side(int vertex, int into, double min_area) const;
