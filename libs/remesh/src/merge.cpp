@@ -212,7 +212,14 @@ bool Merger::cuts_feature(const Vec3& a, const Vec3& b) const {
   for (int o = 0; o < static_cast<int>(c_.obstacles.size()); ++o) {
     const ObstacleShape& shape = *c_.obstacles[o].shape;
     if (shape.triangles.empty()) continue;
+    // A mesh may have thousands of sharp edges, few of them near: those whose box, in the obstacle's frame, is not are
+    // passed by.
+    const Vec3 p = c_.obstacles[o].pose.to_local(a), q = c_.obstacles[o].pose.to_local(b);
+    const Vec3 low = p.cwiseMin(q).array() - 2 * c_.merge(1), high = p.cwiseMax(q).array() + 2 * c_.merge(1);
     for (int e = 0; e < static_cast<int>(shape.edges.size()); ++e) {
+      const SharpEdge& sharp = shape.edges[e];
+      if ((sharp.a.cwiseMax(sharp.b).array() < low.array()).any()) continue;
+      if ((sharp.a.cwiseMin(sharp.b).array() > high.array()).any()) continue;
       const FeatureId feature{o, FeatureKind::Edge, e};
       const WorldEdge edge = world_edge(feature, c_.obstacles);
       const SegmentPair near = closest_segments(a, b, edge.a, edge.a + edge.length * edge.tangent);
