@@ -121,27 +121,53 @@ double good_angles(const Mesh& mesh) {
   return good / (3.0 * mesh.n_faces());
 }
 
+// From coarser, from much finer, and from what lies just outside the band: 13 and 17 cells, L = .45 to 1.3.
 TEST(Adapt, FillsAUnitSquareWithTheWantedSize) {
   for (const GridPattern pattern :
        {GridPattern::Cross, GridPattern::Alternating, GridPattern::Right, GridPattern::Irregular}) {
-    for (const int cells : {1, 7, 40}) {
+    for (const int cells : {1, 7, 13, 17, 28, 40, 60}) {
       SCOPED_TRACE("pattern " + std::to_string(static_cast<int>(pattern)) + ", cells " + std::to_string(cells));
-      const RemeshResult result = adapt(flat_sheet(pattern, cells), sizes(0.06, 0.06));
+      const AdaptOptions options = sizes(0.06, 0.06);
+      const RemeshResult result = adapt(flat_sheet(pattern, cells), options);
       const Mesh& mesh = result.cloth.mesh;
       expect_valid(result.cloth, 1);
       EXPECT_TRUE(result.report.refusals.empty());
-      int well_sized = 0;
+      int n_short = 0;
       for (const int h : mesh.edges()) {
         const double L = mesh.material_length(h) / 0.06;
         EXPECT_LE(L, 1 + 1e-12);
-        well_sized += L >= 0.5 ? 1 : 0;
+        EXPECT_GE(L, 0.45);
+        n_short += L < 0.5 * (1 - 1e-9) ? 1 : 0;
       }
-      // Coarsening from L = 0.42 stops at 0.42 .. 0.84: a collapse at best doubles a length.
-      EXPECT_GT(well_sized, (cells < 40 ? 0.95 : 0.7) * static_cast<double>(mesh.edges().size()));
-      EXPECT_GT(good_angles(mesh), cells < 40 ? 0.99 : 0.95);
+      // 27 of these 28 meshes have none, one has one: on the border, where the slack of many edges would have to come
+      // together.
+      EXPECT_LE(n_short, 1);
+      EXPECT_GT(good_angles(mesh), 0.995);
       EXPECT_GT(result.report.smallest_angle, 15 * degree);
+      EXPECT_FALSE(adapt(result.cloth, options).report.changed);
     }
   }
+}
+
+// A vertex that is held does not slide, nor does any in a cloth that a feature travels through.
+TEST(Adapt, EvensOutLengthsOnlyWhereNothingHoldsOrRides) {
+  const AdaptOptions options = sizes(0.1, 0.1);
+  const auto moved = [&](const Cloth& sheet) {
+    const RemeshResult result = adapt(sheet, options);
+    int n = 0;
+    for (int v = 0; v < sheet.mesh.n_vertices(); ++v) {
+      const int now = result.report.vertex_map.empty() ? v : result.report.vertex_map[v];
+      n += now != Mesh::none && result.cloth.mesh.X[now] != sheet.mesh.X[v] ? 1 : 0;
+    }
+    return n;
+  };
+  const Cloth flat = flat_sheet(GridPattern::Irregular, 20);
+  EXPECT_GT(moved(flat), 20);
+  Cloth held = flat, ridden = flat;
+  held.pins.assign(held.pins.size(), 1);
+  EXPECT_EQ(moved(held), 0);
+  ridden.feature[210] = {0, FeatureKind::Corner, 0};
+  EXPECT_EQ(moved(ridden), 0);
 }
 
 // A field of nail tips 0.2 mm under a wavy sheet, which a coarser mesh would cut through.

@@ -1,32 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
-#include <queue>
-#include <tuple>
 #include <vector>
 
+#include "adapter.hpp"
 #include "crease/base/require.hpp"
 #include "crease/remesh/remesh.hpp"
-#include "editor.hpp"
-#include "guard.hpp"
-#include "metric.hpp"
 #include "neighbourhood.hpp"
 #include "options.hpp"
-#include "room.hpp"
 #include "sizing.hpp"
 
-// L is the metric length of an edge: 1 is as long as it may be. Queues hold vertex pairs, not edges: vertices keep
-// their ids and do not move during a pass, so an entry is up to date exactly when the mesh still has the edge. All
-// loops share one budget of operations.
+// Queues hold vertex pairs, not edges: vertices keep their ids and do not move while a queue is worked off, so an entry
+// is up to date exactly when the mesh still has the edge. All loops share one budget of operations.
 namespace crease {
 
 namespace {
 
-constexpr double split_above = 1.0;
-// A collapse may not make an edge longer than this: its distance to split_above is the hysteresis.
-constexpr double collapse_below = 0.85;
-// Edges longer than this are not tried: removing one of their ends leaves edges longer than collapse_below.
-constexpr double collapse_candidate = 0.6;
 // A flip needs the opposite angles to exceed 180 degrees by this (as a sine), so that four points on a circle rest.
 constexpr double flip_margin = 0.1;
 // All flips and collapses of a pass together may move the surface by this share of the contact threshold, and of the
@@ -35,113 +24,51 @@ constexpr double flip_margin = 0.1;
 constexpr double threshold_share = 0.15;
 constexpr double shift_share = 0.02;
 constexpr double normal_turn = 0.35;
-// Rounds of flips, splits and collapses; each after the first looks only where the one before did something. The sizes
-// are those at the start: new vertices lie on the old facets, so curvature measured again at once would refine every
-// facet's rim.
-constexpr int max_rounds = 4;
+// Rounds of flips, splits, collapses and slides; each after the first looks only where the one before did something.
+// The sizes are those at the start: new vertices lie on the old facets, so curvature measured again at once would
+// refine every facet's rim.
+constexpr int max_rounds = 8;
 // Operations per face wanted.
 constexpr double budget_share = 20;
 
-struct Candidate {
-  double length;  // squared
-  int a, b;       // a < b
-};
-bool is_long(const Candidate& edge) {
-  return edge.length > split_above * split_above;
-}
-bool is_short(const Candidate& edge) {
-  return edge.length <= collapse_candidate * collapse_candidate;
-}
-// Ties fall to the lower vertex ids, so the order never depends on how the queue is built.
-bool later_split(const Candidate& p, const Candidate& q) {
-  return std::tie(p.length, q.a, q.b) < std::tie(q.length, p.a, p.b);
-}
-bool later_collapse(const Candidate& p, const Candidate& q) {
-  return std::tie(p.length, p.a, p.b) > std::tie(q.length, q.a, q.b);
-}
-using Queue = std::priority_queue<Candidate, std::vector<Candidate>, bool (*)(const Candidate&, const Candidate&)>;
+}  // namespace
 
-class Adapter {
- public:
-  Adapter(const Cloth& cloth, const AdaptOptions& options, std::span<const PosedObstacle> obstacles)
-      : editor_(cloth, options.conserve),
-        surroundings_(obstacles, options.threshold),
-        shift_allowed_(std::min(threshold_share * options.threshold, shift_share * options.size[0])),
-        moved_(static_cast<std::size_t>(cloth.mesh.face_slots()), 0.0),
-        sizes_(vertex_sizes(cloth, options)),
-        has_chains_(cloth.n_eol() > 0) {}
+Adapter::Adapter(const Cloth& cloth, const AdaptOptions& options, std::span<const PosedObstacle> obstacles)
+    : editor_(cloth, options.conserve),
+      surroundings_(obstacles, options.threshold),
+      shift_allowed_(std::min(threshold_share * options.threshold, shift_share * options.size[0])),
+      moved_(static_cast<std::size_t>(cloth.mesh.face_slots()), 0.0),
+      sizes_(vertex_sizes(cloth, options)),
+      coarsest_(1 / (options.size[1] * options.size[1])),
+      has_chains_(cloth.n_eol() > 0) {}
 
-  RemeshResult run() && {
-    make_room_for_chains();
-    for (int round = 0; round < max_rounds && !spent_; ++round) {
-      touched_.clear();
-      look_at_edges();
-      flip_around(worse_);
-      if (look_again()) look_at_edges();
-      split_long_edges();
-      if (look_again()) look_at_edges();
-      collapse_short_edges();
-      if (touched_.empty()) break;
-      edges_ = edges_at(mesh(), touched_);
-      everywhere_ = false;
-    }
-    return std::move(editor_).finish();
+RemeshResult Adapter::run() && {
+  make_room_for_chains();
+  for (int round = 0; round < max_rounds && !spent_; ++round) {
+    touched_.clear();
+    look_at_edges();
+    flip_around(worse_);
+    if (look_again()) look_at_edges();
+    split_long_edges();
+    if (look_again()) look_at_edges();
+    collapse_short_edges();
+    if (look_again()) look_at_edges();
+    even_out_short_edges();
+    if (touched_.empty()) break;
+    edges_ = edges_at(mesh(), touched_);
+    everywhere_ = false;
   }
+  return std::move(editor_).finish();
+}
 
- private:
-  const Cloth& cloth() const { return editor_.cloth(); }
-  const Mesh& mesh() const { return editor_.mesh(); }
+GuardLimits Adapter::limits(double moved) const {
+  return {shift_allowed_ - moved, normal_turn, surroundings_};
+}
 
-  int operations() {
-    const RemeshReport& r = editor_.report();
-    return r.splits + r.flips + r.collapses;
-  }
-  int operations_allowed() const;
-  bool may_go_on(int vertex);
-  double squared_length(int a, int b) const {
-    return squared_metric_length(mesh().X[b] - mesh().X[a], sizes_[a], sizes_[b]);
-  }
-  double squared_length(int h) const { return squared_length(mesh().from(h), mesh().to(h)); }
-
-  void make_room_for_chains();
-  void flip_around(std::vector<int> stack);
-  std::array<int, 3> corners_from(int h) const;
-  bool is_worse_diagonal(int h, const std::array<int, 3>& corners) const;
-  std::optional<double> should_flip(int h);
-  void split_long_edges();
-  Tensor mean_size(int h) const;
-  void split(int h, Queue& queue);
-  void collapse_short_edges();
-  bool leaves_short_edges(int p, int q) const;
-  std::optional<double> should_collapse(int p, int q);
-  void collapse(int p, int q, double moved, Queue& queue);
-
-  void touch(const std::vector<int>& faces);
-  bool look_again();
-  void look_at_edges();
-  void look_at(int h, const std::array<int, 3>& corners);
-  Candidate candidate(const std::array<int, 3>& corners) const;
-  void push_splits(Queue& queue, const std::vector<int>& halfedges) const;
-  void push_collapse(Queue& queue, const Candidate& edge) const;
-  GuardLimits limits(double moved) const { return {shift_allowed_ - moved, normal_turn, surroundings_}; }
-  std::optional<double> allowed(const Verdict& verdict, double moved);
-  double moved_around(int vertex) const;
-  void set_moved(std::span<const int> faces, double moved);
-
-  Editor editor_;
-  Surroundings surroundings_;
-  double shift_allowed_;
-  std::vector<double> moved_;  // by face: what this pass has moved the surface there at most [m]
-  std::vector<Tensor> sizes_;
-  int budget_ = 0;  // made when it is first needed
-  bool has_chains_, spent_ = false, everywhere_ = true;
-  std::vector<int> edges_;    // what this round looks at, if not everywhere
-  std::vector<int> touched_;  // corners of the faces that it changed
-  int n_seen_ = 0;            // operations when edges_ was made
-  // What looking at edges_ found: what to flip, split and try to collapse.
-  std::vector<int> worse_;
-  std::vector<Candidate> long_, short_;
-};
+int Adapter::operations() {
+  const RemeshReport& r = editor_.report();
+  return r.splits + r.flips + r.collapses + slides_;
+}
 
 // A face of the wanted size has a metric area of about 1/4 (edges of L = 0.75); strips narrower than an edge have no
 // area to speak of and are counted by their edges.
@@ -202,27 +129,17 @@ bool Adapter::look_again() {
   return true;
 }
 
-// The corners of h's face: where h begins, where it ends, and the one opposite.
-std::array<int, 3> Adapter::corners_from(int h) const {
-  const int f = h / 3, k = h - 3 * f;
-  const std::array<int, 3>& corners = mesh().face(f);
-  return {corners[k], corners[k == 2 ? 0 : k + 1], corners[k == 0 ? 2 : k - 1]};
-}
-
-Candidate Adapter::candidate(const std::array<int, 3>& corners) const {
-  return {squared_length(corners[0], corners[1]), std::min(corners[0], corners[1]), std::max(corners[0], corners[1])};
-}
-
 void Adapter::look_at(int h, const std::array<int, 3>& corners) {
   if (is_worse_diagonal(h, corners)) worse_.push_back(h);
   const Candidate edge = candidate(corners);
   if (is_long(edge)) long_.push_back(edge);
-  if (is_short(edge)) short_.push_back(edge);
+  if (is_collapsible(edge)) collapsible_.push_back(edge);
+  if (!has_chains_ && is_short(edge) && is_idle(edge.a) && is_idle(edge.b)) short_.push_back(edge);
 }
 
 // Every edge once, by its canonical half-edge, in ascending order.
 void Adapter::look_at_edges() {
-  worse_.clear(), long_.clear(), short_.clear();
+  worse_.clear(), long_.clear(), collapsible_.clear(), short_.clear();
   for (const int h : edges_) look_at(h, corners_from(h));
   for (int f = 0; everywhere_ && f < mesh().face_slots(); ++f) {
     if (!mesh().face_live(f)) continue;
@@ -233,28 +150,14 @@ void Adapter::look_at_edges() {
   }
 }
 
-void Adapter::push_splits(Queue& queue, const std::vector<int>& halfedges) const {
+void Adapter::push_splits(CandidateQueue& queue, const std::vector<int>& halfedges) const {
   for (const int h : halfedges)
     if (const Candidate edge = candidate(corners_from(h)); is_long(edge)) queue.push(edge);
 }
 
-void Adapter::push_collapse(Queue& queue, const Candidate& edge) const {
-  if (leaves_short_edges(edge.a, edge.b) || leaves_short_edges(edge.b, edge.a)) queue.push(edge);
-}
-
-// First of all: it changes no edge, and the rounds see what it leaves. What a slide moves fades from its vertex to the
-// neighbours, so that those of neighbours do not add up.
-void Adapter::make_room_for_chains() {
-  for (const int v : vertices_beside_chains(cloth())) {
-    const std::optional<Slide> slide = slide_from_chain(cloth(), v, sizes_[v], limits(0));
-    if (!slide) continue;
-    editor_.slide(v, slide->X, slide->x, slide->v);
-    mesh().all_outgoing(v, [&](int h) {
-      double& moved = moved_[Mesh::face_of(h)];
-      moved = std::max(moved, slide->shift);
-      return true;
-    });
-  }
+void Adapter::push_collapse(CandidateQueue& queue, const Candidate& edge) const {
+  if (leaves_short_edges(edge.a, edge.b, collapse_below) || leaves_short_edges(edge.b, edge.a, collapse_below))
+    queue.push(edge);
 }
 
 // Whether the other diagonal of the quadrilateral round edge h would be the better one.
@@ -299,7 +202,7 @@ void Adapter::flip_around(std::vector<int> stack) {
 }
 
 void Adapter::split_long_edges() {
-  Queue queue(later_split, std::move(long_));
+  CandidateQueue queue(later_split, std::move(long_));
   while (!queue.empty()) {
     const Candidate top = queue.top();
     queue.pop();
@@ -314,13 +217,15 @@ void Adapter::split_long_edges() {
 }
 
 Tensor Adapter::mean_size(int h) const {
+  const Tensor &from = sizes_[mesh().from(h)], &to = sizes_[mesh().to(h)];
+  if (from.radius == to.radius && from.centre == to.centre) return from;  // to the last bit
   const auto log = [](double l) { return std::log(l); };
   const auto exp = [](double l) { return std::exp(l); };
-  const Tensor logs = map_eigenvalues(sizes_[mesh().from(h)], log) + map_eigenvalues(sizes_[mesh().to(h)], log);
+  const Tensor logs = map_eigenvalues(from, log) + map_eigenvalues(to, log);
   return map_eigenvalues(0.5 * logs, exp);
 }
 
-void Adapter::split(int h, Queue& queue) {
+void Adapter::split(int h, CandidateQueue& queue) {
   const Tensor size = mean_size(h);
   const int sewn = mesh().seam_twin(h);
   const Tensor size_there = sewn == Mesh::none ? Tensor() : mean_size(sewn);
@@ -341,32 +246,33 @@ void Adapter::split(int h, Queue& queue) {
 
 // Whether p's edges, moved to q, would be short enough. The one test that nearly all candidates fail, so it comes first
 // and allocates nothing.
-bool Adapter::leaves_short_edges(int p, int q) const {
-  const auto is_short = [&](int v) { return v == q || squared_length(v, q) <= collapse_below * collapse_below; };
-  return mesh().all_outgoing(p, [&](int h) {
-    return is_short(mesh().to(h)) && (!mesh().is_border(Mesh::prev(h)) || is_short(mesh().opposite(h)));
-  });
+bool Adapter::leaves_short_edges(int p, int q, double longest) const {
+  const auto fits = [&](int v) {
+    return v == q || (squared_length(v, q) <= longest * longest && (longest == collapse_below || is_idle(v)));
+  };
+  return mesh().all_outgoing(
+      p, [&](int h) { return fits(mesh().to(h)) && (!mesh().is_border(Mesh::prev(h)) || fits(mesh().opposite(h))); });
 }
 
-std::optional<double> Adapter::should_collapse(int p, int q) {
-  if (!leaves_short_edges(p, q)) return std::nullopt;
+std::optional<double> Adapter::should_collapse(int p, int q, double longest) {
+  if (!leaves_short_edges(p, q, longest)) return std::nullopt;
   double moved = moved_around(p);
   if (const Mesh::Ends tied = mesh().across_seam(p, q); tied.vertex != Mesh::none) {
-    if (!leaves_short_edges(tied.vertex, tied.into)) return std::nullopt;
+    if (!leaves_short_edges(tied.vertex, tied.into, longest)) return std::nullopt;
     moved = std::max(moved, moved_around(tied.vertex));
   }
   return allowed(judge_collapse(cloth(), p, q, limits(moved)), moved);
 }
 
 void Adapter::collapse_short_edges() {
-  Queue queue(later_collapse);
-  for (const Candidate& edge : short_) push_collapse(queue, edge);
+  CandidateQueue queue(later_collapse);
+  for (const Candidate& edge : collapsible_) push_collapse(queue, edge);
   while (!queue.empty()) {
     const Candidate top = queue.top();
     queue.pop();
     for (const auto& [from, to] : {std::pair{top.a, top.b}, std::pair{top.b, top.a}}) {
-      if (mesh().find_edge(from, to) == Mesh::none) break;
-      const std::optional<double> moved = should_collapse(from, to);
+      if (operations() != n_seen_ && mesh().find_edge(from, to) == Mesh::none) break;
+      const std::optional<double> moved = should_collapse(from, to, collapse_below);
       if (!moved) continue;
       if (!may_go_on(from)) return;
       collapse(from, to, *moved, queue);
@@ -375,7 +281,7 @@ void Adapter::collapse_short_edges() {
   }
 }
 
-void Adapter::collapse(int p, int q, double moved, Queue& queue) {
+void Adapter::collapse(int p, int q, double moved, CandidateQueue& queue) {
   const Mesh::Collapse done = editor_.collapse(p, q);
   set_moved(done.faces, moved);
   touch(done.faces);
@@ -385,11 +291,9 @@ void Adapter::collapse(int p, int q, double moved, Queue& queue) {
   for (const int into : {done.into, done.tied.into}) {
     if (into == Mesh::none) continue;
     for (const int h : halfedges_around(mesh(), into))
-      if (const Candidate edge = candidate(corners_from(h)); is_short(edge)) push_collapse(queue, edge);
+      if (const Candidate edge = candidate(corners_from(h)); is_collapsible(edge)) push_collapse(queue, edge);
   }
 }
-
-}  // namespace
 
 RemeshResult adapt(const Cloth& cloth, const AdaptOptions& options, std::span<const PosedObstacle> obstacles) {
   require_valid(options);

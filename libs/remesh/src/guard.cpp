@@ -96,8 +96,26 @@ int certain_side(double left, double right) {
   return difference > bound ? 1 : difference < -bound ? -1 : 0;
 }
 
-// What Ring::shift will be; most candidates on a curved sheet fail by it, and it costs little. The face that holds the
-// vertex lies, seen from the target, to both sides of it; where none surely does, all are asked.
+// What becomes of the vertex's own panel.
+Verdict judge_removal(const Cloth& cloth, int vertex, int into, const GuardLimits& limits) {
+  const Mesh& mesh = cloth.mesh;
+  const Target target = at_vertex(mesh, into);
+  if (left_behind(mesh, vertex, target) > limits.shift) return {RefusalReason::WouldMoveSurface};
+  if (!mesh.can_collapse_vertex(vertex, into)) return {RefusalReason::NotManifold};
+  const Ring ring = ring_after(cloth, vertex, target);
+  if (!ring.sound) return {RefusalReason::WouldInvert};
+  if (ring.angle < std::min(least_angle, ring.angle_before)) return {RefusalReason::TooThin};
+  if (ring.turn > limits.turn) return {RefusalReason::WouldMoveSurface};
+  const double shift = shift_after(cloth, vertex, target, ring);
+  if (shift > limits.shift) return {RefusalReason::WouldMoveSurface};
+  if (!leaves_features(cloth, vertex, target, shift, limits.surroundings)) return {RefusalReason::NearObstacle};
+  return {std::nullopt, shift};
+}
+
+}  // namespace
+
+// The face that holds the vertex lies, seen from the target, to both sides of it; where none surely does, all are
+// asked.
 double left_behind(const Mesh& mesh, int vertex, const Target& target) {
   const Vec2 P = mesh.X[vertex] - target.X;
   NearestFace nearest;
@@ -124,24 +142,6 @@ double left_behind(const Mesh& mesh, int vertex, const Target& target) {
   });
   return nearest.shift;
 }
-
-// What becomes of the vertex's own panel.
-Verdict judge_removal(const Cloth& cloth, int vertex, int into, const GuardLimits& limits) {
-  const Mesh& mesh = cloth.mesh;
-  const Target target = at_vertex(mesh, into);
-  if (left_behind(mesh, vertex, target) > limits.shift) return {RefusalReason::WouldMoveSurface};
-  if (!mesh.can_collapse_vertex(vertex, into)) return {RefusalReason::NotManifold};
-  const Ring ring = ring_after(cloth, vertex, target);
-  if (!ring.sound) return {RefusalReason::WouldInvert};
-  if (ring.angle < std::min(least_angle, ring.angle_before)) return {RefusalReason::TooThin};
-  if (ring.turn > limits.turn) return {RefusalReason::WouldMoveSurface};
-  const double shift = shift_after(cloth, vertex, target, ring);
-  if (shift > limits.shift) return {RefusalReason::WouldMoveSurface};
-  if (!leaves_features(cloth, vertex, target, shift, limits.surroundings)) return {RefusalReason::NearObstacle};
-  return {std::nullopt, shift};
-}
-
-}  // namespace
 
 Target at_vertex(const Mesh& mesh, int vertex) {
   return {mesh.X[vertex], mesh.x[vertex], vertex};

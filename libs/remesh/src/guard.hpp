@@ -37,6 +37,8 @@ struct Ring {
   double shift = 0;                          ///< distance of the removed vertex from the surface that is left [m]
 };
 Ring ring_after(const Cloth& cloth, int vertex, const Target& target);
+/// Ring::shift alone: most candidates on a curved sheet fail by it, and it costs little.
+double left_behind(const Mesh& mesh, int vertex, const Target& target);
 
 /// The two faces of an edge after a flip.
 struct FlipCheck {

@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "crease/geometry/triangle.hpp"
-#include "transfer.hpp"
-
 namespace crease {
 
 namespace {
@@ -60,29 +57,6 @@ std::optional<Vec2> along_border(const Cloth& cloth, int vertex, const Vec2& way
   return std::nullopt;
 }
 
-struct Place {
-  Target target;
-  Vec3 v;
-};
-
-// The point of the vertex's faces at X: where it is and how its material moves.
-std::optional<Place> place_in_star(const Cloth& cloth, int vertex, const Vec2& X) {
-  const Mesh& mesh = cloth.mesh;
-  // On a border the point may be outside by rounding.
-  constexpr double outside = -1e-12;
-  std::optional<Place> place;
-  mesh.all_outgoing(vertex, [&](int h) {
-    const int f = Mesh::face_of(h);
-    const Vec3 b = barycentric(material_corners(mesh, f), X);
-    if (!(b.minCoeff() >= outside)) return true;
-    const auto x = world_corners(mesh, f);
-    const auto w = corner_velocities(cloth, f);
-    place = Place{{X, b[0] * x[0] + b[1] * x[1] + b[2] * x[2]}, b[0] * w[0] + b[1] * w[1] + b[2] * w[2]};
-    return false;
-  });
-  return place;
-}
-
 }  // namespace
 
 std::vector<int> vertices_beside_chains(const Cloth& cloth) {
@@ -112,11 +86,12 @@ std::optional<Slide> slide_from_chain(const Cloth& cloth, int vertex, const Tens
   }
   const double floor = least_altitude * limits.shift;
   for (int attempt = 0; attempt < max_tries; ++attempt) {
-    const std::optional<Place> place = place_in_star(cloth, vertex, mesh.X[vertex] + step);
+    std::optional<Slide> slide = place_in_star(cloth, vertex, mesh.X[vertex] + step);
     double share = 0.5;
-    if (place) {
-      const Verdict verdict = judge_slide(cloth, vertex, place->target, floor, limits);
-      if (!verdict.trouble) return Slide{place->target.X, place->target.x, place->v, verdict.shift};
+    if (slide) {
+      const Verdict verdict = judge_slide(cloth, vertex, {slide->X, slide->x}, floor, limits);
+      slide->shift = verdict.shift;
+      if (!verdict.trouble) return slide;
       if (verdict.shift > limits.shift) share = safety * limits.shift / verdict.shift;
     }
     step *= share;

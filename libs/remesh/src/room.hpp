@@ -7,6 +7,7 @@
 #include "crease/geometry/cloth.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
+#include "slide.hpp"
 
 // A chain moves through the material, and the vertices ahead must not be run over: one that is taken out of the way at
 // the distance d, where the facets meet at the angle a, moves the surface by d sin a, and beside a fold that is
@@ -17,12 +18,6 @@ namespace crease {
 /// Free vertices beside those that ride on an obstacle edge, ascending.
 std::vector<int> vertices_beside_chains(const Cloth& cloth);
 
-/// Where a vertex slides to, with what the surface has there.
-struct Slide {
-  Vec2 X;
-  Vec3 x, v;
-  double shift;  ///< by how much this moves the surface [m]
-};
 /// The way out for a vertex that crowds a chain, as far as the limits and its faces let it; nothing where there is none
 /// or no need.
 /// @param size  its metric: the room is a share of the local size

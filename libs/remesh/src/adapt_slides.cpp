@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
+#include "adapter.hpp"
+#include "even.hpp"
+#include "neighbourhood.hpp"
+#include "room.hpp"
+
+namespace crease {
+
+namespace {
+
+// How much of a fit (see even.hpp) is worth a slide of a vertex that is in nobody's way but stands beside one that is.
+constexpr double roomy = 1.4;
+
+}  // namespace
+
+// First of all: it changes no edge, and the rounds see what it leaves. What a slide moves fades from its vertex to the
+// neighbours, so that those of neighbours do not add up.
+void Adapter::make_room_for_chains() {
+  for (const int v : vertices_beside_chains(cloth())) {
+    const std::optional<Slide> slide = slide_from_chain(cloth(), v, sizes_[v], limits(0));
+    if (!slide) continue;
+    editor_.slide(v, slide->X, slide->x, slide->v);
+    mesh().all_outgoing(v, [&](int h) {
+      double& moved = moved_[Mesh::face_of(h)];
+      moved = std::max(moved, slide->shift);
+      return true;
+    });
+  }
+}
+
+// What no collapse could remove, shortest first: one end slides, or, where there is no room, those round it do first.
+// Not in a cloth that a chain travels through: what is even now it would only undo.
+void Adapter::even_out_short_edges() {
+  std::vector<Candidate> left;
+  std::copy_if(short_.begin(), short_.end(), std::back_inserter(left),
+               [&](const Candidate& edge) { return may_slide(edge.a) || may_slide(edge.b); });
+  std::sort(left.begin(), left.end(), [](const Candidate& p, const Candidate& q) { return later_collapse(q, p); });
+  for (const auto& [length, a, b] : left) {
+    if (spent_) return;
+    const bool is_new = operations() == n_seen_;
+    if (!is_new && (mesh().find_edge(a, b) == Mesh::none || squared_length(a, b) >= squared_short)) continue;
+    const bool may_a = may_slide(a), may_b = may_slide(b);
+    if ((may_a && even_out(a, 1)) || (may_b && even_out(b, 1)) || !(may_a || may_b)) continue;
+    if (take_out(a) || take_out(b)) continue;
+    for (const int end : {a, b})
+      for (const int u : mesh().neighbours(end))
+        if (may_slide(u)) even_out(u, roomy);
+  }
+}
+
+// Into whichever neighbour will have it.
+bool Adapter::take_out(int vertex) {
+  for (const int into : mesh().neighbours(vertex)) {
+    if (!is_idle(into)) continue;
+    const std::optional<double> moved = should_collapse(vertex, into, collapse_short_below);
+    if (!moved || !may_go_on(vertex)) continue;
+    CandidateQueue queue(later_collapse);  // the next round's
+    collapse(vertex, into, *moved, queue);
+    return true;
+  }
+  return false;
+}
+
+bool Adapter::may_slide(int vertex) const {
+  const auto is_idle_edge = [&](int h) { return is_idle(mesh().to(h)) && is_idle(mesh().opposite(h)); };
+  return is_idle(vertex) && is_flat(cloth(), vertex, shift_allowed_) && mesh().all_outgoing(vertex, is_idle_edge) &&
+         is_free_to_slide(cloth(), vertex);
+}
+
+bool Adapter::even_out(int vertex, double enough) {
+  const double moved = moved_around(vertex);
+  const std::optional<Slide> place = slide_to_even_lengths(cloth(), vertex, sizes_, enough, limits(moved));
+  if (!place || !may_go_on(vertex)) return false;
+  editor_.slide(vertex, place->X, place->x, place->v);
+  ++slides_;
+  std::vector<int> faces = mesh().outgoing(vertex);
+  for (int& f : faces) f = Mesh::face_of(f);
+  set_moved(faces, moved + place->shift);
+  touch(faces);
+  flip_around(halfedges_around(mesh(), vertex));
+  return true;
+}
+
+}  // namespace crease
