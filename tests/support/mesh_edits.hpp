@@ -40,7 +40,7 @@ class MeshEdits {
 
   /// @param sheet  which mesh, in [0, n_sheets)
   /// @param chain  0: none; 1: across the sheet; 2: half of it, then round a corner; on sewn sheets always none
-  MeshEdits(int sheet, int chain) : cloth_(make_cloth(make_sheet(sheet))) {
+  MeshEdits(int sheet, int chain) : cloth_(make_cloth(sheet_of_kind(sheet))) {
     if (chain > 0 && !cloth_.mesh.has_seams()) lay_chain(chain);
     area_ = total_area(cloth_.mesh);
     chain_length_ = chain_length();
@@ -64,25 +64,16 @@ class MeshEdits {
   const Cloth& cloth() const { return cloth_; }
 
  private:
-  static Mesh make_sheet(int sheet) {
-    switch (sheet) {
-      case 8:
-        return slit();
-      case 9:
-        return panels();
-      case 10:
-        return halves().mesh;
-      case 11:
-        return patchwork().mesh;
-      case 12:
-        return tube(4);
-      case 13:
-        return pillow();
-      case 14:
-        return dart();
-      default:
-        return all_meshes()[static_cast<std::size_t>(sheet)].mesh;
-    }
+  // Made once: the fuzzer asks for one of them thousands of times.
+  static const Mesh& sheet_of_kind(int sheet) {
+    static const std::vector<Mesh> sheets = [] {
+      std::vector<Mesh> made;
+      for (const NamedMesh& named : all_meshes()) made.push_back(named.mesh);
+      for (const Mesh& mesh : {slit(), panels(), halves().mesh, patchwork().mesh, tube(4), pillow(), dart()})
+        made.push_back(mesh);
+      return made;
+    }();
+    return sheets.at(static_cast<std::size_t>(sheet));
   }
 
   // The line x = 0.6, y < top; with a corner, from there on to larger x. In the world the line is the y axis, which one

@@ -78,13 +78,13 @@ bool is_free_to_slide(const Cloth& cloth, int vertex) {
 bool is_flat(const Cloth& cloth, int vertex, double tolerance) {
   const Mesh& mesh = cloth.mesh;
   const auto& [a, b, c] = mesh.face(Mesh::face_of(mesh.halfedge(vertex)));
-  const Vec2 U = mesh.X[b] - mesh.X[a], W = mesh.X[c] - mesh.X[a];
-  const Vec3 u = mesh.x[b] - mesh.x[a], w = mesh.x[c] - mesh.x[a];
+  const Vec2 P = mesh.X[a], U = mesh.X[b] - P, W = mesh.X[c] - P;
+  const Vec3 p = mesh.x[a], u = mesh.x[b] - p, w = mesh.x[c] - p;
   const double area = cross2(U, W);
   return mesh.all_outgoing(vertex, [&](int h) {
     for (const int v : {mesh.to(h), mesh.opposite(h)}) {
-      const Vec2 D = mesh.X[v] - mesh.X[a];
-      const Vec3 aside = area * (mesh.x[v] - mesh.x[a]) - cross2(D, W) * u - cross2(U, D) * w;
+      const Vec2 D = mesh.X[v] - P;
+      const Vec3 aside = area * (mesh.x[v] - p) - cross2(D, W) * u - cross2(U, D) * w;
       if (!(aside.squaredNorm() <= area * area * tolerance * tolerance)) return false;
     }
     return true;
