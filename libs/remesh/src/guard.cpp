@@ -15,6 +15,10 @@ namespace crease {
 
 namespace {
 
+// A border that bends by more [rad] is a shape of its own: without the vertex there the cloth would lose area. Splits
+// leave bends of rounding.
+constexpr double straight = 1e-9;
+
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double angle_between(const Vec3& m, const Vec3& n) {
@@ -234,7 +238,7 @@ Verdict judge_collapse(const Cloth& cloth, int vertex, int into, const GuardLimi
       (!along_chain || cloth.feature[vertex].kind != FeatureKind::Edge || mesh.is_border_vertex(vertex)))
     return {RefusalReason::WouldLoseChain};
   if (mesh.on_seam(vertex) && !mesh.can_collapse_vertex(vertex, into)) return {RefusalReason::OnSeam};
-  if (mesh.is_material_corner(vertex)) return {RefusalReason::AtCorner};
+  if (mesh.is_material_corner(vertex, straight)) return {RefusalReason::AtCorner};
   const Verdict here = judge_removal(cloth, vertex, into, limits);
   const Mesh::Ends tied = mesh.across_seam(vertex, into);
   if (here.trouble || tied.vertex == Mesh::none) return here;

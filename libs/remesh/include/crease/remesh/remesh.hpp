@@ -91,10 +91,11 @@ struct RemeshResult {
 std::vector<Mat2> sizing_field(const Cloth& cloth, const AdaptOptions& options);
 
 /// Splits, flips and collapses until every metric edge length is at most 1 and no collapse is due. Chains (tagged
-/// edges), pinned vertices, EOL vertices and material corners stay, but for one thing: a chain denser than its sizes
-/// ask for loses inner vertices, by collapses along itself. Ends by construction: a budget of operations proportional
-/// to the faces wanted; what was refused is reported. Free vertices slide ahead of a chain that comes near; in a cloth
-/// without chains, where it is flat and its sizes are the coarsest, also to bring lengths below 1/2 back above it.
+/// edges), pinned vertices, EOL vertices and the vertices where a border bends stay, but for one thing: a chain denser
+/// than its sizes ask for loses inner vertices, by collapses along itself. Ends by construction: a budget of operations
+/// proportional to the faces wanted; what was refused is reported. Free vertices slide ahead of a chain that comes
+/// near; in a cloth without chains, where it is flat and its sizes are the coarsest, also to bring lengths below 1/2
+/// back above it.
 ///
 /// A pass moves no point of the surface by more than .15 of `threshold` (neighbours that slide together: a little more)
 /// or .02 of the shortest edge. A split leaves the surface as it is, and its velocities too but beside a chain. All
