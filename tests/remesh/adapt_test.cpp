@@ -419,11 +419,11 @@ TEST(Adapt, KeepsTheAreaOfASheetWithARoundBorder) {
     return n;
   };
   const double before = area(sheet.mesh);
-  const RemeshResult coarse = adapt(sheet, sizes(0.2, 0.4));
+  const RemeshResult coarse = adapt(sheet, loose_sizes(0.2, 0.4));
   expect_valid(coarse.cloth, before);
   EXPECT_LT(coarse.cloth.mesh.n_faces(), sheet.mesh.n_faces() / 2);
   EXPECT_EQ(n_border(coarse.cloth.mesh), 21);
-  const RemeshResult fine = adapt(sheet, sizes(0.02, 0.02)), back = adapt(fine.cloth, sizes(0.2, 0.4));
+  const RemeshResult fine = adapt(sheet, sizes(0.02, 0.02)), back = adapt(fine.cloth, loose_sizes(0.2, 0.4));
   EXPECT_GT(n_border(fine.cloth.mesh), 40);
   expect_valid(back.cloth, before);
   EXPECT_EQ(n_border(back.cloth.mesh), 21);
