@@ -1,17 +1,22 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Runs the shipped scenes and writes docs/scenes.md: one row a scene, with a picture.
 
   tools/scenes.py                    every scene, runs in out/scenes
-  tools/scenes.py --only edge,wire   these; the other rows are made from the runs that are there
-  tools/scenes.py --no-run           page and pictures from the runs that are there
+  tools/scenes.py --only edge,wire   these; the other rows stay as they are on the page
+  tools/scenes.py --no-run           rows and pictures from the runs that are there; also with --only
 """
 import argparse
 import csv
 import json
 import pathlib
+import re
+import resource
 import subprocess
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import sliding  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "scenes.md"
@@ -58,16 +63,30 @@ Every scene that ships, run to its end; made by `tools/scenes.py`. Faces and sha
 run. The paper's: Table 1 of Weidner et al. 2018 [WEIDNER18] (i7-7700, a commercial QP solver). Deepest: of the cloth in
 an obstacle, on a lattice inside the triangles too, as a share of the cloth's longer side. Inserted, released: EOL
 vertices begun and let go in the run. Retried: parts of steps that were taken again, shorter. Gained: the most kinetic
-energy that remeshing added in a step, as a share of what there was. Times are of one of two virtual cores, both at work.
+energy that remeshing added in a step, as a share of what there was. Times are processor times of whole runs, output and
+all, on a virtual core.
 
-| scene | ended | faces | EOL % | paper: faces, EOL % | ms a step | paper | solve, remesh, assemble % | deepest % | inserted | released | retried | gained |
-|---|---|---|---|---|---|---|---|---|---|---|---|---|
+Over edge or wire: how high the sheet lifts off within 5 cm behind the edge while it is pulled (.8 to 2.4 s), and how much
+of what is pulled comes over it; when the sheet falls off the wire, or else how wide its fold is 2 cm below while taut, how
+far from the wire it is there, and how much of the way of the borders, one up and one down, it slides over.
+
+| scene | ended | faces | EOL % | paper: faces, EOL % | ms a step | paper | solve, remesh, assemble % | deepest % | inserted | released | retried | gained | over edge or wire |
+|---|---|---|---|---|---|---|---|---|---|---|---|---|---|
 """
 
 
 def longest_side(scene):
     grid = scene["cloths"][0]["shape"].get("grid")
     return max(grid["size"]) if grid else 1.0
+
+
+def run(program, name, directory):
+    """Runs a scene and notes the processor time that it took, which other programs at work do not change much."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run([str(program), "run", name, "-o", str(directory), "--force", "--quiet"])
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    (directory / "processor_seconds").write_text(f"{seconds}\n")
 
 
 def measure(run):
@@ -82,7 +101,7 @@ def measure(run):
         "ended": "yes" if summary["finished"] else summary["why"],
         "faces": int(max(column("faces"))),
         "eol": max(shares),
-        "ms": summary["ms_per_step"],
+        "ms": 1e3 * float((run / "processor_seconds").read_text()) / len(rows),
         "shares": [100 * summary["stages"].get(key, {"share": 0})["share"] for key in ("solve", "remesh", "assemble")],
         "deepest": 100 * (worst["value"] or 0) / longest_side(scene),
         "inserted": int(sum(column("inserted"))),
@@ -90,8 +109,20 @@ def measure(run):
         "retries": summary["retries"],
         "gained": max((after - before) / max(before, 1e-9) for before, after in
                       zip(column("kinetic_energy_before_remesh"), column("kinetic_energy_after_remesh"))),
-        "description": scene.get("description", ""),
+        "over": over_edge_or_wire(run, scene["name"]) if summary["finished"] else "-",
     }
+
+
+def over_edge_or_wire(run, name):
+    if name.startswith(("edge", "lo_res")):
+        went = sliding.over_edge(run)
+        return f"lifts {1e3 * went['lifted']:.1f} mm, slides {went['slid']:.2f}"
+    if not name.startswith("wire"):
+        return "-"
+    went = sliding.over_wire(run)
+    if went["left"] is not None:
+        return f"falls off at {went['left']:.2f} s"
+    return f"{1e3 * went['width']:.0f} mm wide, {1e3 * went['gap']:.0f} mm off, slides {went['slid']:.2f}"
 
 
 def row(name, m):
@@ -99,7 +130,18 @@ def row(name, m):
     shown = lambda value: "-" if value is None else f"{value:g}"
     return (f"| {name} | {m['ended']} | {m['faces']} | {m['eol']:.1f} | {shown(faces)}, {shown(eol)} | {m['ms']:.0f} | "
             f"{shown(ms)} | {', '.join(f'{share:.0f}' for share in m['shares'])} | {m['deepest']:.3f} | "
-            f"{m['inserted']} | {m['released']} | {m['retries']} | {m['gained']:.0e} |\n")  # fmt: skip
+            f"{m['inserted']} | {m['released']} | {m['retries']} | {m['gained']:.0e} | {m['over']} |\n")  # fmt: skip
+
+
+def description(name):
+    """Of the scene's file, which may have comments."""
+    return re.search(r'"description": "(.*)"', (ROOT / "scenes" / f"{name}.json").read_text())[1]
+
+
+def rows_on_page():
+    """The rows that the page has, by scene."""
+    lines = PAGE.read_text().splitlines(keepends=True) if PAGE.exists() else []
+    return {match[1]: line for line in lines if (match := re.match(r"\| (\w+) \| (?!ended)", line))}
 
 
 def picture(run, name):
@@ -120,19 +162,15 @@ def main():
     chosen = options.only.split(",") if options.only else names
     for name in [] if options.no_run else chosen:
         print(name, flush=True)
-        subprocess.run([str(options.program), "run", name, "-o", str(options.out / name), "--force", "--quiet"])
-    table, pictures = "", ""
+        run(options.program, name, options.out / name)
+    rows = rows_on_page()
+    for name in (name for name in chosen if (options.out / name / "summary.json").exists()):
+        rows[name] = row(name, measure(options.out / name))
+        picture(options.out / name, name)
+    page = HEAD + "".join(rows.get(name, f"| {name} | not run |\n") for name in names)
     for name in names:
-        run = options.out / name
-        if not (run / "summary.json").exists():
-            table += f"| {name} | not run | | | | | | | | | | | |\n"
-            continue
-        measured = measure(run)
-        table += row(name, measured)
-        if name in chosen:
-            picture(run, name)
-        pictures += f"\n## {name}\n\n{measured['description']}. {SEEN.get(name, '')}\n\n![{name}](images/scenes/{name}.png)\n"
-    PAGE.write_text(HEAD + table + pictures)
+        page += f"\n## {name}\n\n{description(name)}. {SEEN.get(name, '')}\n\n![{name}](images/scenes/{name}.png)\n"
+    PAGE.write_text(page)
 
 
 if __name__ == "__main__":
