@@ -53,7 +53,7 @@ SEEN = {
     "throw": "Thrown up, in flight, and caught again by the edges and corners of the box.",
     "prism": "A sharp bend at each of the ridges of 20 to 150 degrees, none on the smooth ones.",
     "tablecloth": "Drapes over edges and corners, is pulled off by one side and swings free.",
-    "lo_res": "The same bend with a tenth of the faces.",
+    "lo_res": "The same bend with a seventeenth of the faces.",
     "lo_res_regular": "The bend is lost between the mesh lines.",
 }  # fmt: skip
 
@@ -114,7 +114,7 @@ def measure(run):
 
 
 def over_edge_or_wire(run, name):
-    if name.startswith(("edge", "lo_res")):
+    if is_over_edge(name):
         went = sliding.over_edge(run)
         return f"lifts {1e3 * went['lifted']:.1f} mm, slides {went['slid']:.2f}"
     if not name.startswith("wire"):
@@ -144,11 +144,29 @@ def rows_on_page():
     return {match[1]: line for line in lines if (match := re.match(r"\| (\w+) \| (?!ended)", line))}
 
 
-def picture(run, name):
+def is_over_edge(name):
+    return name.startswith(("edge", "lo_res"))
+
+
+def render(run, image, *options):
     IMAGES.mkdir(parents=True, exist_ok=True)
-    command = [sys.executable, ROOT / "tools" / "render.py", run, "--strip", "4", "--columns", "4", "--size", "320x260"]
-    subprocess.run([*map(str, command), "-o", str(run / "png")], check=True, stdout=subprocess.DEVNULL)
-    (run / "png" / "strip.png").replace(IMAGES / f"{name}.png")
+    command = [sys.executable, str(ROOT / "tools" / "render.py"), str(run), *options, "--strip", "4", "--columns", "4"]
+    subprocess.run([*command, "-o", str(run / "png")], check=True, stdout=subprocess.DEVNULL)
+    (run / "png" / "strip.png").replace(IMAGES / image)
+
+
+def picture(run, name):
+    render(run, f"{name}.png", "--size", "320x260")
+    if is_over_edge(name):
+        beside_edge = ["--section", "y=0.5", "--zoom", "0.27,0.42,0,1,-0.1,-0.02", "--times", "0.3,1.2,2.1,3.0"]
+        render(run, f"{name}_section.png", *beside_edge, "--size", "320x200")
+
+
+def section(name):
+    images = [f"![{name}](images/scenes/{name}.png)"]
+    if is_over_edge(name):
+        images.append(f"Cut at the middle, beside the edge:\n\n![{name}, cut](images/scenes/{name}_section.png)")
+    return "\n\n".join([f"\n## {name}", f"{description(name)}. {SEEN.get(name, '')}".rstrip(), *images]) + "\n"
 
 
 def main():
@@ -168,9 +186,7 @@ def main():
         rows[name] = row(name, measure(options.out / name))
         picture(options.out / name, name)
     page = HEAD + "".join(rows.get(name, f"| {name} | not run |\n") for name in names)
-    for name in names:
-        page += f"\n## {name}\n\n{description(name)}. {SEEN.get(name, '')}\n\n![{name}](images/scenes/{name}.png)\n"
-    PAGE.write_text(page)
+    PAGE.write_text(page + "".join(section(name) for name in names))
 
 
 if __name__ == "__main__":
