@@ -191,6 +191,28 @@ TEST(DependentRows, StaySolvableWhenLettingGoMakesThemCompliant) {
   EXPECT_NEAR(result.q[1], 2 / (2 - decoupled) - 0.5, 1e-8);
 }
 
+// Two rows across two blocks that leave a wedge, which the force closes: q = 0, held by multipliers of 1/angle. Below
+// an angle of 3e-6 the softness of the rows is more than what the wedge yields.
+TEST(DependentRows, HoldTheEndOfAWedge) {
+  const QpOptions options;
+  for (const double angle : {1e-4, 1e-5, 1e-6, 1e-7}) {
+    SCOPED_TRACE(angle);
+    MatX A(2, 6);
+    A << 1, 0, 0, -1, 0, 0, -1, angle, 0, 1, angle, 0;
+    VecX f = VecX::Zero(6);
+    f[1] = f[4] = -1;
+    QpProblem problem = dense_problem(MatX::Identity(6, 6), f, MatX(), VecX(), A, VecX::Zero(2));
+    problem.blocks = {0, 3, 6};
+    const QpResult result = solve(problem, options);
+    ASSERT_EQ(result.status, QpStatus::Solved) << result.message;
+    EXPECT_FALSE(result.fell_back);
+    // A row may miss zero by the tolerance, and q its end by that over the angle.
+    const double allowed = 4 * options.tolerance / angle;
+    EXPECT_LT(result.q.norm(), allowed);
+    for (int row = 0; row < 2; ++row) EXPECT_NEAR(result.lambda_in[row] * angle, 1, allowed);
+  }
+}
+
 TEST(IndefiniteQp, IsReported) {
   MatX H = MatX::Identity(4, 4);
   H(2, 2) = -1;

@@ -15,6 +15,10 @@ namespace {
 /// regular and cost proximal steps, the fewer the smaller the lift.
 constexpr double lifts[] = {0, 1e-10, 1e-8, 1e-6};
 constexpr int max_proximal_steps = 40;
+/// Where rows depend on each other but for an angle whose square is below their softness, multipliers a million times
+/// the forces may hold the solution, and proximal steps go there in equal small strides. From this ratio of a stride to
+/// the one before, the sum of the geometric series is taken instead, up to so many strides.
+constexpr double slow_ratio = 0.5, most_strides = 1e6;
 /// Residual a proximal step aims at; below it there is only rounding to gain.
 constexpr double residual_goal = 1e-12;
 
@@ -77,6 +81,7 @@ ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, cons
   WorkingSet set = reduction_.start(guess);
   WorkingSetSearch search(qp, kkt_, options.max_iterations);
   QpResult best, former;
+  VecX stride;  // of the last proximal step that was not lengthened
   best.kkt_residual = std::numeric_limits<double>::infinity();
   const auto finish = [&](QpResult answer, QpStatus status, const char* message) {
     result = std::move(answer);
@@ -105,6 +110,11 @@ ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, cons
         return finish({}, QpStatus::Unbounded, "the objective falls without end along a feasible direction");
     }
     former = std::move(now);
+    const VecX way = search.way();
+    const bool again = stride.size() > 0 && stride.squaredNorm() > 0;
+    const double ratio = again ? way.dot(stride) / stride.squaredNorm() : 0;
+    if (ratio > slow_ratio) search.go_on(ratio < 1 ? std::min(ratio / (1 - ratio), most_strides) : most_strides);
+    stride = ratio > slow_ratio ? VecX() : way;
   }
   if (best.kkt_residual <= options.tolerance) return finish(best, QpStatus::Solved, "");
   if (status == SearchStatus::IterationLimit) {

@@ -40,6 +40,13 @@ SearchStatus WorkingSetSearch::run(Precision precision, WorkingSet& set) {
   return exchange_blocks(set);
 }
 
+void WorkingSetSearch::go_on(double times) {
+  point_.row_lambda += times * way();
+  for (int w = 0; w < qp_.n_rows(); ++w)
+    if (is_inequality(qp_.size() + w)) point_.row_lambda[w] = std::max(0.0, point_.row_lambda[w]);
+  update_gradient();
+}
+
 void WorkingSetSearch::update_gradient() {
   gradient_ = multiply(*qp_.graph, qp_.H, point_.u) - qp_.f;
   if (qp_.n_rows() > 0) gradient_ -= qp_.rows.transpose() * point_.row_lambda;

@@ -26,6 +26,11 @@ class WorkingSetSearch {
   /// Starts from `set` and leaves there the set found; from where the last run ended, the first one from zero.
   SearchStatus run(Precision precision, WorkingSet& set);
 
+  /// What the last run did to the multipliers of the rows.
+  VecX way() const { return point_.row_lambda - anchor_.row_lambda; }
+  /// Goes on that way, `times` as far again, before the next run.
+  void go_on(double times);
+
   int iterations() const { return iterations_; }
   /// Where the last run ended.
   const ReducedPoint& point() const { return point_; }
