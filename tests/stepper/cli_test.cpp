@@ -180,7 +180,7 @@ TEST_F(Cli, RunSaysHowDeepTheClothWasInAnObstacle) {
 // (MALLOC_PERTURB_ of glibc); none of them may show.
 TEST_F(Cli, TwoProcessesWriteTheSameBytes) {
   const std::string coarse =
-      " --quiet --until 0.5 --set cloths.0.shape.grid.cells=[8,8] --set cloths.0.remeshing.size=[0.08,0.2]"
+      " --quiet --until 0.5 --set cloths.0.shape.grid.cells=[8,8] --set cloths.0.remeshing.size=[0.06,0.15]"
       " --set 'output.formats=[\"vtp\",\"obj\"]' -o ";
   const Outcome first = crease("run edge" + coarse + "one");
   const Outcome second = crease("run edge" + coarse + "a_longer_name/two",

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/QR>
+
 #include "crease/base/require.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "metric.hpp"
@@ -35,10 +37,40 @@ void drop_removed(std::vector<T>& entries, const std::vector<int>& renumbering, 
   entries.resize(static_cast<std::size_t>(n));
 }
 
+/// Energy of velocities that are rounding beside others, as a share of theirs.
+constexpr double rounding_energy = 1e-24;
+
 std::vector<int> faces_around(const Mesh& mesh, int vertex) {
   std::vector<int> faces = mesh.outgoing(vertex);
   for (int& h : faces) h = Mesh::face_of(h);
   return faces;
+}
+
+std::vector<Slip> slips_at(const Cloth& cloth, const std::vector<int>& vertices) {
+  std::vector<Slip> slips;
+  for (const int v : vertices)
+    if (cloth.is_eol(v) && !cloth.V[v].isZero(0))
+      slips.push_back({v, vertex_deformation_gradient(cloth.mesh, v) * cloth.V[v]});
+  return slips;
+}
+
+/// Where F has changed, the old Xdot is another motion of the material: the nearest to a share of the old one.
+void keep_slips(const std::vector<Slip>& slips, double share, Cloth& cloth) {
+  for (const auto& [v, velocity] : slips)
+    if (cloth.mesh.vertex_live(v) && cloth.is_eol(v))
+      cloth.V[v] = vertex_deformation_gradient(cloth.mesh, v).completeOrthogonalDecomposition().solve(share * velocity);
+}
+
+/// Faces at the slipping vertices that are not in the patch.
+std::vector<int> other_faces(const Cloth& cloth, const std::vector<Slip>& slips, std::span<const int> patch) {
+  std::vector<int> others;
+  for (const Slip& slip : slips)
+    if (cloth.mesh.vertex_live(slip.vertex))
+      for (const int f : faces_around(cloth.mesh, slip.vertex))
+        if (std::find(patch.begin(), patch.end(), f) == patch.end()) others.push_back(f);
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  return others;
 }
 
 }  // namespace
@@ -79,10 +111,11 @@ Mesh::Split Editor::split(int h, double t) {
   if (faces.empty()) return split_alone(h, t);
   std::vector<int> payers{mesh().from(h), mesh().opposite(h), mesh().to(h), mesh().opposite(mesh().twin(h))};
   const Frame frame{mean_position(payers), drift_};
+  const std::vector<Slip> slips = slips_at(cloth_, payers);
   const Account before = account(cloth_, faces, frame);
   Mesh::Split done = split_alone(h, t);
   payers.push_back(done.vertex);
-  settle(cloth_, before, account(cloth_, done.faces, frame), frame, std::move(payers));
+  pay(before, done.faces, frame, slips, payers);
   return done;
 }
 
@@ -111,6 +144,26 @@ Mesh::Split Editor::split_face(int f, const Vec3& b) {
   return done;
 }
 
+// Where those around cannot pay, the EOL vertices help: by the F that they have now, and by slipping more slowly. Not
+// to pay for rounding, though.
+void Editor::pay(Account before, std::span<const int> faces, const Frame& frame, const std::vector<Slip>& slips,
+                 const std::vector<int>& payers) {
+  const Account after = account(cloth_, faces, frame);
+  if (settle(cloth_, before, after, frame, payers)) return;
+  double fastest = 0;
+  for (const Slip& slip : slips) fastest = std::max(fastest, slip.velocity.squaredNorm());
+  if (after.kinetic - before.kinetic <= rounding_energy * fastest * before.area)
+    return settle_in_part(cloth_, before, after, frame, payers);
+  std::vector<int> all = other_faces(cloth_, slips, faces);
+  before += account(cloth_, all, frame);
+  all.insert(all.end(), faces.begin(), faces.end());
+  for (const double share : {1.0, 0.5, 0.25, 0.0}) {
+    keep_slips(slips, share, cloth_);
+    if (settle(cloth_, before, account(cloth_, all, frame), frame, payers)) return;
+  }
+  settle_in_part(cloth_, before, account(cloth_, all, frame), frame, payers);
+}
+
 template <typename Change>
 void Editor::change_patch(std::span<const int> faces, std::vector<int> payers, Change change) {
   report_.changed = true;
@@ -119,9 +172,9 @@ void Editor::change_patch(std::span<const int> faces, std::vector<int> payers, C
     return;
   }
   const Frame frame{mean_position(payers), drift_};
+  const std::vector<Slip> slips = slips_at(cloth_, payers);
   const Account before = account(cloth_, faces, frame);
-  const auto& now = change();
-  settle(cloth_, before, account(cloth_, now, frame), frame, std::move(payers));
+  pay(before, change(), frame, slips, payers);
 }
 
 std::array<int, 2> Editor::flip(int h) {

@@ -7,8 +7,15 @@
 
 #include "crease/geometry/cloth.hpp"
 #include "crease/remesh/remesh.hpp"
+#include "momentum.hpp"
 
 namespace crease {
+
+/// How fast the material slips past an EOL vertex, in the world.
+struct Slip {
+  int vertex;
+  Vec3 velocity;  ///< F Xdot, F that of the vertex
+};
 
 /// A cloth while it is being remeshed: the mesh's operations, each of which carries velocities, features and pins along
 /// and keeps momentum, and the account of what was done. Vertex ids stay valid until finish().
@@ -59,6 +66,9 @@ class Editor {
   /// The same for a change of one vertex that leaves the mesh as it is.
   template <typename Change>
   void change_star(int vertex, Change change);
+  /// Makes up for what an operation did to faces that carried `before` and are these now. @see settle()
+  void pay(Account before, std::span<const int> faces, const Frame& frame, const std::vector<Slip>& slips,
+           const std::vector<int>& payers);
   std::vector<int> disagreeing_faces(int h) const;
   Mesh::Split split_alone(int h, double t);
   Vec3 mean_position(const std::vector<int>& vertices) const;

@@ -69,9 +69,11 @@ class Payers {
   /// The least change that carries both momenta, if its energy is not above the debt's, or else as much of it as is;
   /// nothing if no change can do it.
   std::optional<MatN3> settle(const Debt& debt) const;
-  /// Linear momentum, and as much of the angular one as the debt's energy allows. Where already the linear one asks for
-  /// more, as it may next to vertices that are held, as much of that.
-  MatN3 settle_linear(const Debt& debt) const;
+  /// Linear momentum, and as much of the angular one as the debt's energy allows; nothing if already the linear one
+  /// asks for more, as it may next to vertices that are held.
+  std::optional<MatN3> settle_linear(const Debt& debt) const;
+  /// As much of the linear momentum as the debt's energy allows.
+  MatN3 settle_in_part(const Debt& debt) const;
   void apply(const MatN3& change, Cloth& cloth) const {
     for (int i = 0; i < n(); ++i) cloth.v[vertices_[i]] += change.row(i).transpose();
   }
@@ -167,13 +169,18 @@ std::optional<MatN3> Payers::settle(const Debt& debt) const {
   return as_far_as_allowed(least, wanted, debt.energy);
 }
 
-MatN3 Payers::settle_linear(const Debt& debt) const {
+std::optional<MatN3> Payers::settle_linear(const Debt& debt) const {
   const MatN3 rest = Z_.rightCols<3>();
   const MatN3 least = push_linear(debt.linear + rest.transpose() * a_) - rest;
-  if (energy(least) > debt.energy + rounding_) return as_far_as_allowed(-rest, least, debt.energy);
+  if (energy(least) > debt.energy + rounding_) return std::nullopt;
   MatN3 wanted = push_linear(debt.linear);
   if (carry_spin()) wanted = push(lu_.solve(in_radii(debt) + carried(rest))) - rest;
   return as_far_as_allowed(least, wanted, debt.energy);
+}
+
+MatN3 Payers::settle_in_part(const Debt& debt) const {
+  const MatN3 rest = Z_.rightCols<3>();
+  return as_far_as_allowed(-rest, push_linear(debt.linear + rest.transpose() * a_) - rest, debt.energy);
 }
 
 // With X = sum x_i and W = sum w_i over the corners, a face adds the integrals A W / 3, A (X x W + sum x_i x w_i) / 12
@@ -204,7 +211,28 @@ Account sum_over(int n, FaceAt face_at, const Cloth& cloth, const Frame& frame) 
   return sum;
 }
 
+Debt debt_of(const Account& before, const Account& after) {
+  return {before.linear - after.linear, before.angular - after.angular, before.kinetic - after.kinetic};
+}
+
+/// Those of a patch and so many rings around it whose velocity may be changed.
+std::vector<int> free_vertices(const Cloth& cloth, std::vector<int> patch, int rings) {
+  sort_unique(patch);
+  for (int ring = 0; ring < rings; ++ring) patch = with_neighbours(cloth.mesh, patch);
+  std::erase_if(patch, [&](int v) { return cloth.is_eol(v) || cloth.pins[v] != 0 || cloth.mesh.is_tied(v); });
+  return patch;
+}
+
 }  // namespace
+
+Account& Account::operator+=(const Account& more) {
+  area += more.area;
+  moment += more.moment;
+  linear += more.linear;
+  angular += more.angular;
+  kinetic += more.kinetic;
+  return *this;
+}
 
 Account account(const Cloth& cloth, std::span<const int> faces, const Frame& frame) {
   const auto face_at = [&](int i) { return faces[static_cast<std::size_t>(i)]; };
@@ -230,26 +258,33 @@ Motion motion(const Cloth& cloth) {
   return result;
 }
 
-void settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame, std::vector<int> patch) {
-  const Debt debt{before.linear - after.linear, before.angular - after.angular, before.kinetic - after.kinetic};
+bool settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
+            const std::vector<int>& patch) {
+  const Debt debt = debt_of(before, after);
   // What is only rounding is left alone: paying it back would only add to it.
   const double linear_rounding = 64 * std::numeric_limits<double>::epsilon() *
                                  std::sqrt(2 * std::max(before.kinetic, after.kinetic) * before.area);
   if (debt.linear.norm() <= linear_rounding && debt.angular.norm() <= linear_rounding * std::sqrt(before.area) &&
       -debt.energy <= energy_rounding * before.kinetic)
-    return;
-  sort_unique(patch);
-  const auto held = [&](int v) { return cloth.is_eol(v) || cloth.pins[v] != 0 || cloth.mesh.is_tied(v); };
-  for (int ring = 0; ring <= max_rings; ++ring) {
-    if (ring > 0) patch = with_neighbours(cloth.mesh, patch);
-    std::vector<int> free = patch;
-    std::erase_if(free, held);
-    const Payers payers(cloth, std::move(free), frame);
-    if (payers.carry_spin()) {
-      if (const std::optional<MatN3> change = payers.settle(debt)) return payers.apply(*change, cloth);
-    }
-    if (ring == max_rings && payers.n() > 0) payers.apply(payers.settle_linear(debt), cloth);
+    return true;
+  for (int rings = 0; rings <= max_rings; ++rings) {
+    const Payers payers(cloth, free_vertices(cloth, patch, rings), frame);
+    if (!payers.carry_spin()) continue;
+    const std::optional<MatN3> change = payers.settle(debt);
+    if (!change) continue;
+    payers.apply(*change, cloth);
+    return true;
   }
+  const Payers payers(cloth, free_vertices(cloth, patch, max_rings), frame);
+  const std::optional<MatN3> change = payers.n() > 0 ? payers.settle_linear(debt) : std::nullopt;
+  if (change) payers.apply(*change, cloth);
+  return change.has_value();
+}
+
+void settle_in_part(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
+                    const std::vector<int>& patch) {
+  const Payers payers(cloth, free_vertices(cloth, patch, max_rings), frame);
+  if (payers.n() > 0) payers.apply(payers.settle_in_part(debt_of(before, after)), cloth);
 }
 
 }  // namespace crease

@@ -23,6 +23,8 @@ struct Account {
   Vec3 moment = Vec3::Zero();  ///< integral of x
   Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   double kinetic = 0;
+
+  Account& operator+=(const Account& more);
 };
 Account account(const Cloth& cloth, std::span<const int> faces, const Frame& frame);
 
@@ -31,6 +33,11 @@ Account account(const Cloth& cloth, std::span<const int> faces, const Frame& fra
 /// the kinetic energy is not above it. Where they cannot, first the vertices around them join in; then the energy comes
 /// before the angular momentum.
 /// @param before, after  accounts of the patch in `frame`, before the operation and now
-void settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame, std::vector<int> patch);
+/// @return false if they cannot even keep the linear momentum without more energy: nothing is done then
+bool settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
+            const std::vector<int>& patch);
+/// The same as far as they can then: the energy comes before the linear momentum, too.
+void settle_in_part(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
+                    const std::vector<int>& patch);
 
 }  // namespace crease
