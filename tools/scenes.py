@@ -12,6 +12,7 @@ import json
 import pathlib
 import re
 import resource
+import shutil
 import subprocess
 import sys
 
@@ -152,7 +153,7 @@ def render(run, image, *options):
     IMAGES.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, str(ROOT / "tools" / "render.py"), str(run), *options, "--strip", "4", "--columns", "4"]
     subprocess.run([*command, "-o", str(run / "png")], check=True, stdout=subprocess.DEVNULL)
-    (run / "png" / "strip.png").replace(IMAGES / image)
+    shutil.copyfile(run / "png" / "strip.png", IMAGES / image)
 
 
 def picture(run, name):
