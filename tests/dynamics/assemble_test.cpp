@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "crease/dynamics/assemble.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -166,6 +167,32 @@ TEST(Assembler, GivesTheSameBytesOnAnyNumberOfThreads) {
     }
   }
   EXPECT_THROW(Assembler(0), std::invalid_argument);
+}
+
+// Sizes that leave lanes of the last batch over; the first is less than one batch.
+TEST(Assembler, GivesTheSameBytesWithTheKernelsOfAnyProcessor) {
+  for (const int cells : {1, 3, 5}) {
+    const Cloth cloth = random_cloth(16, cells, 0.05, 1);
+    const DofMap dofs = make_dof_map(cloth);
+    Assembler generic(1, ElementKernelSet::Generic);
+    const AssembledSystem& expected = generic.assemble(cloth, dofs, material, options, h, false);
+    for (const ElementKernelSet kernels : available_element_kernels()) {
+      SCOPED_TRACE(static_cast<int>(kernels));
+      Assembler assembler(1, kernels);
+      const AssembledSystem& system = assembler.assemble(cloth, dofs, material, options, h, false);
+      EXPECT_EQ((MatX(system.H) - MatX(expected.H)).norm(), 0);
+      EXPECT_EQ(system.rhs, expected.rhs);
+      EXPECT_EQ(system.force, expected.force);
+      EXPECT_EQ(system.energies.total(), expected.energies.total());
+      EXPECT_EQ(system.energies.angular_momentum, expected.energies.angular_momentum);
+    }
+  }
+  const std::vector<ElementKernelSet> available = available_element_kernels();
+  for (const ElementKernelSet kernels : {ElementKernelSet::Avx2, ElementKernelSet::Avx512}) {
+    if (std::find(available.begin(), available.end(), kernels) == available.end()) {
+      EXPECT_THROW(Assembler(1, kernels), std::invalid_argument);
+    }
+  }
 }
 
 TEST(Assembler, LeavesFlapCouplingsOutWithoutBending) {

@@ -12,9 +12,7 @@
 
 #include "block_pattern.hpp"
 #include "crease/base/require.hpp"
-#include "crease/dynamics/bending.hpp"
 #include "crease/dynamics/inertia.hpp"
-#include "crease/dynamics/membrane.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "element.hpp"
 #include "shares.hpp"
@@ -41,17 +39,32 @@ Mat5 to_eol_block(const Mat3& W, const Mat32& F_i, const Mat32& F_j, bool diagon
   return block;
 }
 
-// Adds a block of 3 unknowns by 3, or its transpose, to columns `stride` long.
-inline void add_to(double* values, int stride, const Mat3& W) {
+// Adds one lane of a block of 3 unknowns by 3, or its transpose, to columns `stride` long.
+inline void add_to(double* values, int stride, const Lanes (&W)[9], int lane) {
   for (int col = 0; col < 3; ++col) {
-    for (int row = 0; row < 3; ++row) values[col * stride + row] += W(row, col);
+    for (int row = 0; row < 3; ++row) values[col * stride + row] += W[3 * col + row][lane];
   }
 }
 
-inline void add_transposed_to(double* values, int stride, const Mat3& W) {
+inline void add_transposed_to(double* values, int stride, const Lanes (&W)[9], int lane) {
   for (int col = 0; col < 3; ++col) {
-    for (int row = 0; row < 3; ++row) values[col * stride + row] += W(col, row);
+    for (int row = 0; row < 3; ++row) values[col * stride + row] += W[3 * row + col][lane];
   }
+}
+
+Mat3 matrix_of(const Lanes (&W)[9], int lane) {
+  Mat3 result;
+  for (int k = 0; k < 9; ++k) result(k % 3, k / 3) = W[k][lane];
+  return result;
+}
+
+inline Vec3 vector_of(const Lanes (&w)[3], int lane) {
+  return {w[0][lane], w[1][lane], w[2][lane]};
+}
+
+// Where HingeBatch::weight has corners (i, j), or (j, i).
+constexpr int pair(int i, int j) {
+  return i <= j ? j * (j + 1) / 2 + i : pair(j, i);
 }
 
 // Faces from which on it is worth starting threads, each of which takes some 20 microseconds of it.
@@ -67,45 +80,101 @@ struct Pass {
   double stiffness_scale;  // h^2 + h damping [s^2]
   const Share& share;
   AssembledSystem& system;
-  std::vector<Energies>& face_energies;  // one a face
+  std::vector<Energies>& face_energies;  // one a face, or none: then this is the only share, and adds them up
   std::vector<double>& hinge_energies;   // one a hinge
+  std::vector<double>& bending;          // one a block: of the hinges without an Eulerian vertex
+  const ElementKernels& kernels;
 
   void run();
 
  private:
   bool owns(int vertex) const { return share.owned[vertex] != 0; }
   void clear();
-  void add_face(int f);
-  void add_hinge(int hinge);
-  void add_face_matrix(const FaceState& face, const Mat9& stiffness, const BlockPattern::FaceBlocks& blocks);
-  void add_velocity_terms(const FaceState& face);
-  void add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const BendingElement& element,
-                        const std::array<Mat32, 2>* F);
+  void fill_diagonals();
+  void add_faces();
+  void add_hinges();
+  void add_face(int f, const FaceBatch& batch, int lane);
+  void add_plain_hinge(int hinge, const HingeBatch& batch, int lane);
+  void add_eol_hinge(int hinge, const HingeBatch& batch, int lane);
+  void add_face_matrix(int f, const FaceBatch& batch, int lane);
+  void add_eol_terms(int f, const FaceBatch& batch, int lane);
   void add_block(int i, int j, int at_ij, int at_ji, const Mat3& W, const Mat32& F_i, const Mat32& F_j);
   void add_force(int vertex, const Vec3& f, const Mat32& F);
 };
 
 void Pass::run() {
   clear();
-  for (const int f : share.faces) add_face(f);
-  for (const int hinge : share.hinges) add_hinge(hinge);
+  add_hinges();
+  add_faces();
+}
+
+// Calls `read` with an element and its lane for all lanes of a batch, the kernel, and `add` alike. Of the last batch,
+// what is too many is read, but not added.
+template <class Batch, class Read, class Kernel, class Add>
+void go_through(const std::vector<int>& elements, Batch& batch, Read read, Kernel kernel, Add add) {
+  const int n = static_cast<int>(elements.size());
+  for (int first = 0; first < n; first += batch_lanes) {
+    for (int lane = 0; lane < batch_lanes; ++lane) read(elements[std::min(first + lane, n - 1)], batch, lane);
+    kernel(batch);
+    for (int lane = 0; lane < std::min(batch_lanes, n - first); ++lane) add(elements[first + lane], batch, lane);
+  }
+}
+
+void Pass::add_faces() {
+  const FaceConstants constants = face_constants(material, options.gravity, stiffness_scale);
+  FaceBatch faces;
+  go_through(
+      share.faces, faces, [&](int f, FaceBatch& batch, int lane) { read_face(cloth, f, batch, lane); },
+      [&](FaceBatch& batch) { kernels.faces(constants, batch); },
+      [&](int f, const FaceBatch& batch, int lane) { add_face(f, batch, lane); });
+}
+
+void Pass::add_hinges() {
+  const double scaled_bending = scaled(material.bending);
+  HingeBatch hinges;
+  const auto read = [&](int hinge, HingeBatch& batch, int lane) {
+    read_hinge(cloth.mesh, pattern.hinges[hinge].hinge, batch, lane);
+  };
+  const auto kernel = [&](HingeBatch& batch) { kernels.hinges(scaled_bending, stiffness_scale, batch); };
+  go_through(share.plain_hinges, hinges, read, kernel,
+             [&](int hinge, const HingeBatch& batch, int lane) { add_plain_hinge(hinge, batch, lane); });
+  fill_diagonals();
+  go_through(share.eol_hinges, hinges, read, kernel,
+             [&](int hinge, const HingeBatch& batch, int lane) { add_eol_hinge(hinge, batch, lane); });
 }
 
 void Pass::clear() {
-  const int* const first = system.H.outerIndexPtr();
   for (const int v : share.vertices) {
     const int begin = dofs.start[v], end = dofs.start[v + 1];
-    std::fill(system.H.valuePtr() + first[begin], system.H.valuePtr() + first[end], 0.0);
     system.rhs.segment(begin, end - begin).setZero();
     system.force.segment(begin, end - begin).setZero();
+    std::fill(bending.begin() + pattern.block_start[v], bending.begin() + pattern.block_start[v + 1], 0.0);
+  }
+}
+
+// Writes all of H: the hinges that have been added up so far, whose blocks are multiples of the unit matrix.
+void Pass::fill_diagonals() {
+  double* const values = system.H.valuePtr();
+  const int* const first = system.H.outerIndexPtr();
+  for (const int v : share.vertices) {
+    std::fill(values + first[dofs.start[v]], values + first[dofs.start[v + 1]], 0.0);
+    const int diagonal = pattern.stride[v] + 1;
+    for (int k = pattern.block_start[v]; k < pattern.block_start[v + 1]; ++k) {
+      double* const block = values + pattern.first_of[k];
+      block[0] = block[diagonal] = block[2 * diagonal] = bending[k];
+    }
   }
 }
 
 // Entry (i, j) of an element whose F is given, and its transpose (j, i); i == j once.
 void Pass::add_block(int i, int j, int at_ij, int at_ji, const Mat3& W, const Mat32& F_i, const Mat32& F_j) {
   double* const values = system.H.valuePtr();
-  const Mat5 block = to_eol_block(W, F_i, F_j, i == j);
   const int rows = dofs.is_eol(i) ? 5 : 3, cols = dofs.is_eol(j) ? 5 : 3;
+  Mat5 block;
+  if (rows == 3 && cols == 3)
+    block.topLeftCorner<3, 3>() = W;
+  else
+    block = to_eol_block(W, F_i, F_j, i == j);
   for (int col = 0; col < cols && owns(j); ++col) {
     for (int row = 0; row < rows; ++row) values[at_ij + col * pattern.stride[j] + row] += block(row, col);
   }
@@ -120,101 +189,92 @@ void Pass::add_force(int vertex, const Vec3& f, const Mat32& F) {
   if (dofs.is_eol(vertex)) system.force.segment<2>(dofs.X(vertex)) -= F.transpose() * f;
 }
 
-void Pass::add_face_matrix(const FaceState& face, const Mat9& stiffness, const BlockPattern::FaceBlocks& blocks) {
+void Pass::add_face_matrix(int f, const FaceBatch& batch, int lane) {
+  const std::array<int, 3>& v = cloth.mesh.face(f);
+  const std::array<int, 9>& at = pattern.faces[f].at;
   double* const values = system.H.valuePtr();
+  int block = 0;
   for (int i = 0; i < 3; ++i) {
-    for (int j = i; j < 3; ++j) {
-      Mat3 W = stiffness_scale * stiffness.block<3, 3>(3 * i, 3 * j);
-      W.diagonal().array() += face.mass / 12 * (i == j ? 2 : 1);
-      const int at_ij = blocks.at[3 * i + j], at_ji = blocks.at[3 * j + i];
-      if (face.eol) {
-        add_block(face.vertex[i], face.vertex[j], at_ij, at_ji, W, face.F, face.F);
-        continue;
-      }
-      if (owns(face.vertex[j])) add_to(values + at_ij, pattern.stride[face.vertex[j]], W);
-      if (i != j && owns(face.vertex[i])) add_transposed_to(values + at_ji, pattern.stride[face.vertex[i]], W);
+    for (int j = i; j < 3; ++j, ++block) {
+      if (owns(v[j])) add_to(values + at[3 * i + j], pattern.stride[v[j]], batch.H[block], lane);
+      if (i != j && owns(v[i])) add_transposed_to(values + at[3 * j + i], pattern.stride[v[i]], batch.H[block], lane);
     }
   }
 }
 
-// Also where all Xdot are zero: there the terms of the single faces cancel at a vertex only in their sum.
-void Pass::add_velocity_terms(const FaceState& face) {
-  const Vec15 C = eol_velocity_terms(face.state, material.density);
+void Pass::add_face(int f, const FaceBatch& batch, int lane) {
+  const std::array<int, 3>& v = cloth.mesh.face(f);
+  if (face_energies.empty())
+    system.energies += energies_of(batch, lane);
+  else if (owns(v[0]))
+    face_energies[f] = energies_of(batch, lane);
+  if (dofs.is_eol(v[0]) || dofs.is_eol(v[1]) || dofs.is_eol(v[2])) return add_eol_terms(f, batch, lane);
+  add_face_matrix(f, batch, lane);
   for (int i = 0; i < 3; ++i) {
-    const int v = face.vertex[i];
-    if (!owns(v)) continue;
-    system.force.segment<3>(dofs.x(v)) -= C.segment<3>(3 * i);
-    if (dofs.is_eol(v)) system.force.segment<2>(dofs.X(v)) -= C.segment<2>(9 + 2 * i);
+    if (!owns(v[i])) continue;
+    system.force.segment<3>(dofs.x(v[i])) += vector_of(batch.force[i], lane);
+    system.rhs.segment<3>(dofs.x(v[i])) += vector_of(batch.impulse[i], lane);
   }
 }
 
-void Pass::add_face(int f) {
-  const FaceState face = read_face(cloth, f, material.density);
-  const MembraneElement membrane = membrane_element(face.state.X, face.state.x, material);
-  add_face_matrix(face, membrane.stiffness, pattern.faces[f]);
-  if (owns(face.vertex[0])) face_energies[f] = energies_of(face, options.gravity, membrane.energy);
-
+// All of a face with an Eulerian corner. The velocity terms go also to where all Xdot are zero: there those of the
+// single faces cancel at a vertex only in their sum.
+void Pass::add_eol_terms(int f, const FaceBatch& batch, int lane) {
+  const std::array<int, 3>& v = cloth.mesh.face(f);
+  const std::array<int, 9>& at = pattern.faces[f].at;
+  Mat32 F;
+  F << vector_of(batch.F[0], lane), vector_of(batch.F[1], lane);
+  int block = 0;
   for (int i = 0; i < 3; ++i) {
-    const int v = face.vertex[i];
-    if (!owns(v)) continue;
-    add_force(v, membrane.force.segment<3>(3 * i) + face.mass / 3 * options.gravity, face.F);
-    system.rhs.segment<3>(dofs.x(v)) += face.motion.p[i];
-    if (dofs.is_eol(v)) system.rhs.segment<2>(dofs.X(v)) -= face.F.transpose() * face.motion.p[i];
+    for (int j = i; j < 3; ++j)
+      add_block(v[i], v[j], at[3 * i + j], at[3 * j + i], matrix_of(batch.H[block++], lane), F, F);
   }
-  if (!face.eol) return;
-  const Mat32 g = barycentric_gradients(face.state.X);
+  TriangleState state{material_corners(cloth.mesh, f), world_corners(cloth.mesh, f), {}, {}};
   for (int i = 0; i < 3; ++i) {
-    const int v = face.vertex[i];
-    if (dofs.is_eol(v) && owns(v)) system.force.segment<2>(dofs.X(v)) -= membrane.energy * g.row(i).transpose();
+    state.V[i] = cloth.V[v[i]];
+    state.v[i] = cloth.v[v[i]];
   }
-  if (options.velocity_terms) add_velocity_terms(face);
+  const Mat32 g = barycentric_gradients(state.X);
+  const Vec15 C = options.velocity_terms ? eol_velocity_terms(state, material.density) : Vec15::Zero();
+  for (int i = 0; i < 3; ++i) {
+    if (!owns(v[i])) continue;
+    const int x = dofs.x(v[i]);
+    const Vec3 impulse = vector_of(batch.impulse[i], lane);
+    add_force(v[i], vector_of(batch.force[i], lane), F);
+    system.force.segment<3>(x) -= C.segment<3>(3 * i);
+    system.rhs.segment<3>(x) += impulse;
+    if (!dofs.is_eol(v[i])) continue;
+    system.force.segment<2>(x + 3) -= batch.membrane[lane] * g.row(i).transpose() + C.segment<2>(9 + 2 * i);
+    system.rhs.segment<2>(x + 3) -= F.transpose() * impulse;
+  }
 }
 
-// On a hinge with an Eulerian vertex F is the plain mean of its two faces. At an unstretched fold the bending force is
-// along (F_0 - F_1) N and |F_0 N| = |F_1 N|, so this mean, and no other, lets bending push the fold nowhere. Across a
-// seam each face has its own material axes, so each side has its own F; on the seam itself no vertex is Eulerian.
-void Pass::add_hinge(int hinge) {
+void Pass::add_plain_hinge(int hinge, const HingeBatch& batch, int lane) {
   const BlockPattern::HingeBlocks& blocks = pattern.hinges[hinge];
-  const Mesh& mesh = cloth.mesh;
   const std::array<int, 4>& v = blocks.hinge.vertex;
-  const BendingElement element = bending_element(flat_hinge(mesh, blocks.hinge), material.bending);
-  Vec3 curvature = Vec3::Zero();
-  bool eol = false;
-  for (int i = 0; i < 4; ++i) {
-    curvature += element.k[i] * mesh.x[v[i]];
-    eol = eol || dofs.is_eol(v[i]);
+  if (owns(v[0])) hinge_energies[hinge] = batch.energy[lane];
+  for (int j = 0; j < 4; ++j) {
+    if (!owns(v[j])) continue;
+    for (int i = 0; i < 4; ++i) bending[blocks.block[4 * i + j]] += batch.weight[pair(i, j)][lane];
+    system.force.segment<3>(dofs.x(v[j])) += vector_of(batch.force[j], lane);
   }
-  if (owns(v[0])) hinge_energies[hinge] = 0.5 * element.c * curvature.squaredNorm();
-
-  std::array<Mat32, 2> F{Mat32::Zero(), Mat32::Zero()};  // for face 0 and the edge; for the opposite in face 1
-  if (eol) {
-    for (std::size_t side = 0; side < 2; ++side) F[side] = deformation_gradient(mesh, blocks.hinge.face[side]);
-    if (blocks.hinge.sewn_to == Mesh::none) F[0] = F[1] = 0.5 * (F[0] + F[1]);
-  }
-  for (int i = 0; i < 4; ++i) add_force(v[i], -element.c * element.k[i] * curvature, F[i / 3]);
-  add_hinge_matrix(blocks, element, eol ? &F : nullptr);
 }
 
-// F = nullptr: all four vertices are Lagrangian.
-void Pass::add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const BendingElement& element,
-                            const std::array<Mat32, 2>* F) {
-  double* const values = system.H.valuePtr();
+// F is the plain mean of the two faces. At an unstretched fold the bending force is along (F_0 - F_1) N and
+// |F_0 N| = |F_1 N|, so this mean, and no other, lets bending push the fold nowhere. Across a seam each face has its
+// own material axes, so each side has its own F; on the seam itself no vertex is Eulerian.
+void Pass::add_eol_hinge(int hinge, const HingeBatch& batch, int lane) {
+  const BlockPattern::HingeBlocks& blocks = pattern.hinges[hinge];
   const std::array<int, 4>& v = blocks.hinge.vertex;
+  if (owns(v[0])) hinge_energies[hinge] = batch.energy[lane];
+  std::array<Mat32, 2> F;  // for face 0 and the edge; for the opposite in face 1
+  for (std::size_t side = 0; side < 2; ++side) F[side] = deformation_gradient(cloth.mesh, blocks.hinge.face[side]);
+  if (blocks.hinge.sewn_to == Mesh::none) F[0] = F[1] = 0.5 * (F[0] + F[1]);
   for (int j = 0; j < 4; ++j) {
-    const int diagonal = pattern.stride[v[j]] + 1;
-    if (F == nullptr && !owns(v[j])) continue;
-    for (int i = 0; i < 4; ++i) {
-      const double w = stiffness_scale * element.c * (element.k[i] * element.k[j]);  // same bits for (j, i)
-      const int at = blocks.at[4 * i + j];
-      if (F == nullptr) {
-        double* const block = values + at;
-        block[0] += w;
-        block[diagonal] += w;
-        block[2 * diagonal] += w;
-      } else if (i <= j) {
-        add_block(v[i], v[j], at, blocks.at[4 * j + i], w * Mat3::Identity(), (*F)[i / 3], (*F)[j / 3]);
-      }
-    }
+    add_force(v[j], vector_of(batch.force[j], lane), F[j / 3]);
+    for (int i = 0; i <= j; ++i)
+      add_block(v[i], v[j], pattern.first_of[blocks.block[4 * i + j]], pattern.first_of[blocks.block[4 * j + i]],
+                batch.weight[pair(i, j)][lane] * Mat3::Identity(), F[i / 3], F[j / 3]);
   }
 }
 
@@ -222,11 +282,12 @@ void Pass::add_hinge_matrix(const BlockPattern::HingeBlocks& blocks, const Bendi
 
 struct Assembler::Impl {
   int threads = 1;
+  const ElementKernels* kernels = nullptr;
   AssembledSystem system;
   BlockPattern pattern;
   std::vector<Share> shares;
   std::vector<Energies> face_energies;
-  std::vector<double> hinge_energies;
+  std::vector<double> hinge_energies, bending;
   bool with_hinges = false;
 
   void lay_out(const Mesh& mesh, const DofMap& dofs, bool bends, bool same_topology);
@@ -242,21 +303,22 @@ void Assembler::Impl::lay_out(const Mesh& mesh, const DofMap& dofs, bool bends, 
   shares = share_out(mesh, dofs, pattern, mesh.n_faces() < least_shared ? 1 : threads);
   system.rhs.resize(dofs.size());
   system.force.resize(dofs.size());
-  face_energies.resize(pattern.faces.size());
+  face_energies.resize(shares.size() > 1 ? pattern.faces.size() : 0);
   hinge_energies.resize(pattern.hinges.size());
+  bending.resize(pattern.first_of.size());
 }
 
 // Energies are added up here, in one order for any number of threads.
 void Assembler::Impl::finish(double h) {
   system.rhs += h * system.force;
-  system.energies = {};
   for (const Energies& face : face_energies) system.energies += face;
-  for (const double bending : hinge_energies) system.energies.bending += bending;
+  for (const double hinge : hinge_energies) system.energies.bending += hinge;
 }
 
-Assembler::Assembler(int threads) : impl_(std::make_unique<Impl>()) {
+Assembler::Assembler(int threads, ElementKernelSet kernels) : impl_(std::make_unique<Impl>()) {
   require(threads >= 1, "Assembler: expected at least one thread, got " + std::to_string(threads));
   impl_->threads = threads;
+  impl_->kernels = &find_element_kernels(kernels);
 }
 Assembler::~Assembler() = default;
 Assembler::Assembler(Assembler&&) noexcept = default;
@@ -271,6 +333,7 @@ const AssembledSystem& Assembler::assemble(const Cloth& cloth, const DofMap& dof
   require_valid(material);
 
   impl_->lay_out(cloth.mesh, dofs, material.bending > 0, same_topology);
+  impl_->system.energies = {};
   const auto run = [&](const Share& share) {
     Pass{.cloth = cloth,
          .dofs = dofs,
@@ -281,7 +344,9 @@ const AssembledSystem& Assembler::assemble(const Cloth& cloth, const DofMap& dof
          .share = share,
          .system = impl_->system,
          .face_energies = impl_->face_energies,
-         .hinge_energies = impl_->hinge_energies}
+         .hinge_energies = impl_->hinge_energies,
+         .bending = impl_->bending,
+         .kernels = *impl_->kernels}
         .run();
   };
   {

@@ -11,25 +11,18 @@ namespace {
 // Times 3 s = 1: the energy 3 B/(A_0 + A_1) of the literature bends like a plate of 3 B on an equilateral mesh.
 constexpr double plate_scale = 1.0 / 3.0;  // s [1]
 
-// Cotangent of the angle at p in a counter-clockwise triangle p, q, r of twice the area `double_area`.
-double cotangent(const Vec2& p, const Vec2& q, const Vec2& r, double double_area) {
-  return (q - p).dot(r - p) / double_area;
-}
-
 }  // namespace
 
+double scaled(double bending) {
+  return 3 * plate_scale * bending;
+}
+
 BendingElement bending_element(const std::array<Vec2, 4>& X, double bending) {
-  const auto& [from, to, left, right] = X;
-  const double double_left = 2 * material_area({from, to, left});
-  const double double_right = 2 * material_area({to, from, right});
-  CREASE_ASSERT(double_left > 0 && double_right > 0);
-  const double from_left = cotangent(from, to, left, double_left), to_left = cotangent(to, left, from, double_left);
-  const double from_right = cotangent(from, right, to, double_right),
-               to_right = cotangent(to, from, right, double_right);
-  BendingElement element;
-  element.k << to_left + to_right, from_left + from_right, -(from_left + to_left), -(from_right + to_right);
-  element.c = 3 * plate_scale * bending / (0.5 * (double_left + double_right));
-  return element;
+  double corner[4][2];
+  for (int i = 0; i < 4; ++i) corner[i][0] = X[i].x(), corner[i][1] = X[i].y();
+  CREASE_ASSERT(double_area(corner[0], corner[1], corner[2]) > 0 && double_area(corner[1], corner[0], corner[3]) > 0);
+  const HingeTerms<double> terms = hinge_terms(scaled(bending), corner[0], corner[1], corner[2], corner[3]);
+  return {{terms.k[0], terms.k[1], terms.k[2], terms.k[3]}, terms.c};
 }
 
 }  // namespace crease

@@ -143,24 +143,29 @@ BlockPattern make_block_pattern(const Mesh& mesh, const DofMap& dofs, bool with_
   const int n_hinges = static_cast<int>(hinges.size());
   const Incidence faces_at = make_incidence(dofs, mesh.n_faces(), 3, [&](int f) { return mesh.face(f); });
   const Incidence hinges_at = make_incidence(dofs, n_hinges, 4, [&](int e) { return hinges[e].vertex; });
-  const Couplings couplings = make_couplings(mesh, dofs, hinges, faces_at, hinges_at);
+  Couplings couplings = make_couplings(mesh, dofs, hinges, faces_at, hinges_at);
   BlockPattern pattern;
   pattern.stride = lay_out(couplings, dofs, matrix);
   pattern.faces.resize(mesh.n_faces());
   pattern.hinges.reserve(hinges.size());
+  pattern.first_of.reserve(couplings.vertex.size());
   for (const Hinge& hinge : hinges) pattern.hinges.push_back({hinge, {}});
-  std::vector<int> first(mesh.n_vertices());  // of each vertex' rows in the columns of vertex j: its first value
+  std::vector<int> block(mesh.n_vertices());  // of each vertex' rows in the columns of vertex j
   for (int j = 0; j < mesh.n_vertices(); ++j) {
-    for (int k = couplings.start[j]; k < couplings.start[j + 1]; ++k)
-      first[couplings.vertex[k]] = matrix.outerIndexPtr()[dofs.x(j)] + couplings.row[k];
+    for (int k = couplings.start[j]; k < couplings.start[j + 1]; ++k) {
+      block[couplings.vertex[k]] = k;
+      pattern.first_of.push_back(matrix.outerIndexPtr()[dofs.x(j)] + couplings.row[k]);
+    }
     for (const int at : faces_at.at(j)) {
-      for (int i = 0; i < 3; ++i) pattern.faces[at / 3].at[3 * i + at % 3] = first[dofs.owner(mesh.face(at / 3)[i])];
+      for (int i = 0; i < 3; ++i)
+        pattern.faces[at / 3].at[3 * i + at % 3] = pattern.first_of[block[dofs.owner(mesh.face(at / 3)[i])]];
     }
     for (const int at : hinges_at.at(j)) {
       BlockPattern::HingeBlocks& blocks = pattern.hinges[at / 4];
-      for (int i = 0; i < 4; ++i) blocks.at[4 * i + at % 4] = first[dofs.owner(blocks.hinge.vertex[i])];
+      for (int i = 0; i < 4; ++i) blocks.block[4 * i + at % 4] = block[dofs.owner(blocks.hinge.vertex[i])];
     }
   }
+  pattern.block_start = std::move(couplings.start);
   return pattern;
 }
 

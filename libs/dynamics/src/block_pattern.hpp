@@ -34,11 +34,13 @@ struct BlockPattern {
   };
   struct HingeBlocks {
     Hinge hinge;
-    std::array<int, 16> at;  ///< first value of block (i, j) at [4 i + j]
+    std::array<int, 16> block;  ///< number of block (i, j) at [4 i + j]
   };
   std::vector<FaceBlocks> faces;
   std::vector<HingeBlocks> hinges;  ///< empty if made without
   std::vector<int> stride;          ///< column length of each vertex' columns; tied vertices share theirs
+  std::vector<int> block_start;     ///< n_vertices + 1: the first block in each vertex' columns
+  std::vector<int> first_of;        ///< first value of each block
 };
 
 /// Lays out `matrix` (both triangles, values zero) for couplings inside faces and, on request, inside hinges.

@@ -3,9 +3,11 @@
 
 #include <array>
 
+#include "block_pattern.hpp"
 #include "crease/base/types.hpp"
 #include "crease/dynamics/assemble.hpp"
 #include "crease/dynamics/inertia.hpp"
+#include "element_kernels.hpp"
 
 namespace crease {
 
@@ -30,19 +32,19 @@ inline TriangleMotion triangle_motion(const std::array<Vec3, 3>& w, double mass)
   return motion;
 }
 
-/// One face, read out of a cloth.
-struct FaceState {
-  std::array<int, 3> vertex;
-  TriangleState state;
-  bool eol = false;  ///< has an Eulerian corner; only then F is not zero
-  Mat32 F = Mat32::Zero();
-  double mass = 0;  ///< rho A [kg]
-  TriangleMotion motion;
-};
+Moduli moduli_of(const Material& material);
+/// 3 s B, see BendingElement [J].
+double scaled(double bending);
+FaceConstants face_constants(const Material& material, const Vec3& gravity, double stiffness_scale);
 
-FaceState read_face(const Cloth& cloth, int face, double density);
+/// Writes what the kernels want to know of an element into its lane.
+void read_face(const Cloth& cloth, int face, FaceBatch& batch, int lane);
+void read_hinge(const Mesh& mesh, const Hinge& hinge, HingeBatch& batch, int lane);
 
 /// What a face carries: all but the bending energy.
-Energies energies_of(const FaceState& face, const Vec3& gravity, double membrane);
+Energies energies_of(const FaceBatch& batch, int lane);
+
+/// Throws std::invalid_argument if this processor does not run them.
+const ElementKernels& find_element_kernels(ElementKernelSet set);
 
 }  // namespace crease

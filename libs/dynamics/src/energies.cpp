@@ -1,46 +1,48 @@
 // SPDX-License-Identifier: MIT
-#include <Eigen/Geometry>
+#include <algorithm>
 
-#include "block_pattern.hpp"
 #include "crease/base/require.hpp"
-#include "crease/dynamics/assemble.hpp"
 #include "crease/dynamics/bending.hpp"
-#include "crease/dynamics/membrane.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "element.hpp"
 
 namespace crease {
 
-FaceState read_face(const Cloth& cloth, int face, double density) {
-  FaceState out;
-  out.vertex = cloth.mesh.face(face);
-  for (int i = 0; i < 3; ++i) {
-    const int v = out.vertex[i];
-    out.state.X[i] = cloth.mesh.X[v];
-    out.state.x[i] = cloth.mesh.x[v];
-    out.state.V[i] = cloth.V[v];
-    out.state.v[i] = cloth.v[v];
-    out.eol = out.eol || cloth.is_eol(v);
-  }
-  out.mass = density * material_area(out.state.X);
-  std::array<Vec3, 3> w = out.state.v;
-  if (out.eol) {
-    out.F = deformation_gradient(out.state.X, out.state.x);
-    for (int i = 0; i < 3; ++i) w[i] -= out.F * out.state.V[i];
-  }
-  out.motion = triangle_motion(w, out.mass);
-  return out;
+FaceConstants face_constants(const Material& material, const Vec3& gravity, double stiffness_scale) {
+  return {moduli_of(material), material.density, stiffness_scale, {gravity.x(), gravity.y(), gravity.z()}};
 }
 
-Energies energies_of(const FaceState& face, const Vec3& gravity, double membrane) {
-  Energies energies;
-  energies.kinetic = face.motion.kinetic_energy;
-  energies.membrane = membrane;
+void read_face(const Cloth& cloth, int face, FaceBatch& batch, int lane) {
+  const std::array<int, 3>& v = cloth.mesh.face(face);
   for (int i = 0; i < 3; ++i) {
-    const Vec3& x = face.state.x[i];
-    energies.gravitational -= face.mass / 3 * gravity.dot(x);
-    energies.momentum += face.motion.p[i];
-    energies.angular_momentum += x.cross(face.motion.p[i]);
+    for (int axis = 0; axis < 2; ++axis) {
+      batch.X[i][axis][lane] = cloth.mesh.X[v[i]][axis];
+      batch.V[i][axis][lane] = cloth.V[v[i]][axis];
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      batch.x[i][axis][lane] = cloth.mesh.x[v[i]][axis];
+      batch.v[i][axis][lane] = cloth.v[v[i]][axis];
+    }
+  }
+  batch.double_area[lane] = orient2d(cloth.mesh.X[v[0]], cloth.mesh.X[v[1]], cloth.mesh.X[v[2]]);
+}
+
+void read_hinge(const Mesh& mesh, const Hinge& hinge, HingeBatch& batch, int lane) {
+  const std::array<Vec2, 4> X = flat_hinge(mesh, hinge);
+  for (int i = 0; i < 4; ++i) {
+    for (int axis = 0; axis < 2; ++axis) batch.X[i][axis][lane] = X[i][axis];
+    for (int axis = 0; axis < 3; ++axis) batch.x[i][axis][lane] = mesh.x[hinge.vertex[i]][axis];
+  }
+}
+
+Energies energies_of(const FaceBatch& batch, int lane) {
+  Energies energies;
+  energies.kinetic = batch.kinetic[lane];
+  energies.membrane = batch.membrane[lane];
+  energies.gravitational = batch.gravitational[lane];
+  for (int axis = 0; axis < 3; ++axis) {
+    energies.momentum[axis] = batch.momentum[axis][lane];
+    energies.angular_momentum[axis] = batch.angular_momentum[axis][lane];
   }
   return energies;
 }
@@ -60,9 +62,15 @@ Energies measure_energies(const Cloth& cloth, const Material& material, const Ve
   require_valid(material);
   const Mesh& mesh = cloth.mesh;
   Energies energies;
-  for (int f = 0; f < mesh.n_faces(); ++f) {
-    const FaceState face = read_face(cloth, f, material.density);
-    energies += energies_of(face, gravity, membrane_energy(face.state.X, face.state.x, material));
+  const FaceConstants constants = face_constants(material, gravity, 0);
+  const ElementKernels& kernels = find_element_kernels(ElementKernelSet::Best);
+  FaceBatch batch;
+  for (int first = 0; first < mesh.n_faces(); first += batch_lanes) {
+    for (int lane = 0; lane < batch_lanes; ++lane)
+      read_face(cloth, std::min(first + lane, mesh.n_faces() - 1), batch, lane);
+    kernels.faces(constants, batch);
+    for (int lane = 0; lane < std::min(batch_lanes, mesh.n_faces() - first); ++lane)
+      energies += energies_of(batch, lane);
   }
   if (material.bending == 0) return energies;
   for (const Hinge& hinge : all_hinges(mesh)) {

@@ -44,8 +44,12 @@ std::vector<Share> share_out(const Mesh& mesh, const DofMap& dofs, const BlockPa
       if (share.owned[v] && dofs.owner(v) == v) share.vertices.push_back(v);
     for (int f = 0; f < mesh.n_faces(); ++f)
       if (touches(mesh.face(f))) share.faces.push_back(f);
-    for (int hinge = 0; hinge < static_cast<int>(pattern.hinges.size()); ++hinge)
-      if (touches(pattern.hinges[hinge].hinge.vertex)) share.hinges.push_back(hinge);
+    for (int hinge = 0; hinge < static_cast<int>(pattern.hinges.size()); ++hinge) {
+      const auto& vertices = pattern.hinges[hinge].hinge.vertex;
+      if (!touches(vertices)) continue;
+      const bool eol = std::any_of(vertices.begin(), vertices.end(), [&](int v) { return dofs.is_eol(v); });
+      (eol ? share.eol_hinges : share.plain_hinges).push_back(hinge);
+    }
   }
   return shares;
 }

@@ -10,9 +10,11 @@ namespace crease {
 /// The columns of some vertices, and all that adds to them. What touches the columns of two shares is computed by both,
 /// each of which keeps its own part: so every number of the system is the same sum for any number of shares.
 struct Share {
-  std::vector<char> owned;         ///< one a vertex
-  std::vector<int> vertices;       ///< owned ones that have unknowns
-  std::vector<int> faces, hinges;  ///< with a vertex among those owned, ascending
+  std::vector<char> owned;    ///< one a vertex
+  std::vector<int> vertices;  ///< owned ones that have unknowns
+  // With a vertex among those owned, ascending:
+  std::vector<int> faces;
+  std::vector<int> plain_hinges, eol_hinges;  ///< without and with an Eulerian vertex
 };
 
 /// Strips of the sheet with equally many vertices, across its longer side.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "crease/base/types.hpp"
 #include "crease/dynamics/material.hpp"
@@ -15,6 +16,7 @@ struct DynamicsOptions {
   bool velocity_terms = true;  ///< false: the paper's equations, without C
 };
 
+/// Energies of a sheet, each a sum over its triangles or hinges, and the momenta of its material.
 struct Energies {
   double kinetic = 0, membrane = 0, bending = 0, gravitational = 0;  ///< [J]
   Vec3 momentum = Vec3::Zero();                                      ///< linear, of the world velocity field [kg m/s]
@@ -34,13 +36,20 @@ struct AssembledSystem {
   Energies energies;  ///< at q_k
 };
 
+/// The elements' inner loops for one kind of processor. All give the same bytes.
+enum class ElementKernelSet { Best, Generic, Avx2, Avx512 };
+
+/// Those that this processor runs, Best apart; the fastest last.
+std::vector<ElementKernelSet> available_element_kernels();
+
 /// Keeps the sparsity pattern and every element's place in it; rebuilds them only when told that the mesh or the EOL
 /// set changed.
 class Assembler {
  public:
   Assembler() : Assembler(1) {}
   /// @param threads  >= 1; any number gives the same bytes
-  explicit Assembler(int threads);
+  /// @param kernels  have to be available
+  explicit Assembler(int threads, ElementKernelSet kernels = ElementKernelSet::Best);
   ~Assembler();
   Assembler(Assembler&&) noexcept;
   Assembler& operator=(Assembler&&) noexcept;

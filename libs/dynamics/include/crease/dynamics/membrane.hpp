@@ -25,7 +25,5 @@ struct MembraneElement {
 };
 /// @pre positive material area; world triangle may be anything, also degenerate (result stays finite)
 MembraneElement membrane_element(const std::array<Vec2, 3>& X, const std::array<Vec3, 3>& x, const Material& material);
-/// Its energy alone, to the bit [J].
-double membrane_energy(const std::array<Vec2, 3>& X, const std::array<Vec3, 3>& x, const Material& material);
 
 }  // namespace crease

@@ -5,7 +5,7 @@
 set -euo pipefail
 checked=0
 for object in "$@"; do
-  [[ $object == *front_kernels_avx* ]] || continue
+  [[ $object == *_kernels_avx* ]] || continue
   shared=$(nm --demangle "$object" | grep -E ' [VWu] ' || true)
   [[ -z $shared ]] || { printf '%s shares:\n%s\n' "$object" "$shared"; exit 1; }
   checked=$((checked + 1))
