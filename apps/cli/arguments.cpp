@@ -31,11 +31,11 @@ std::string needs_time(const std::string& text) {
   return right ? "" : "expected a time in seconds, got '" + text + "'";
 }
 
-std::string needs_one_thread(const std::string& text) {
+std::string needs_threads(const std::string& text) {
+  constexpr int most = 256;  // beyond that a number is a slip
   int threads = 0;
-  if (!CLI::detail::lexical_cast(text, threads) || threads < 1)
-    return "expected a number of threads, got '" + text + "'";
-  return threads == 1 ? "" : "more than 1 is not available yet: every stage runs on one thread";
+  const bool right = CLI::detail::lexical_cast(text, threads) && threads >= 1 && threads <= most;
+  return right ? "" : "expected a number of threads from 1 to " + std::to_string(most) + ", got '" + text + "'";
 }
 
 void add_scene(CLI::App& verb, Arguments& arguments, std::vector<std::string>& sets) {
@@ -54,9 +54,9 @@ void add_verbs(CLI::App& app, Arguments& arguments, std::vector<std::string>& se
   run->add_option("--until", arguments.until, "Stop at this time")->type_name("SECONDS")->check(needs_time);
   CLI::Option* resume = run->add_flag("--resume", arguments.resume, "Continue from the last checkpoint in DIR");
   run->add_flag("--force", arguments.force, "Write into DIR although it is not empty")->excludes(resume);
-  run->add_option("--threads", "Threads to use: 1, the only number available yet")
+  run->add_option("--threads", arguments.threads, "Threads to use; any number gives the same result")
       ->type_name("N")
-      ->check(needs_one_thread);
+      ->check(needs_threads);
   run->add_flag("--quiet", arguments.quiet, "Print errors only");
 
   CLI::App* check =

@@ -19,6 +19,7 @@ struct Arguments {
   std::string output;                                          ///< directory
   std::vector<std::pair<std::string, std::string>> overrides;  ///< --set path=value
   std::optional<double> until;
+  int threads = 1;
   bool resume = false, force = false, quiet = false, paths = false;
   std::string command_line;
 };

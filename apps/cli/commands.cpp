@@ -49,6 +49,7 @@ int run(const Arguments& arguments) {
   options.until = arguments.until;
   options.force = arguments.force;
   options.resume = arguments.resume;
+  options.threads = arguments.threads;
   options.command_line = arguments.command_line;
 
   Progress progress(loaded.scene.name, arguments.quiet);

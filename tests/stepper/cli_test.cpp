@@ -79,7 +79,7 @@ TEST_F(Cli, UsageErrorsSayWhatWouldBeRight) {
   expect_usage_error("run edge -o x --until -1", "time in seconds");
   expect_usage_error("run edge -o x --threads 0", "--threads: expected a number of threads");
   expect_usage_error("run edge -o x --threads many", "--threads: expected a number of threads");
-  expect_usage_error("run edge -o x --threads 2", "--threads: more than 1 is not available yet");
+  expect_usage_error("run edge -o x --threads 257", "--threads: expected a number of threads from 1 to 256");
   expect_usage_error("run edge -o x --force --resume", "--resume");
   expect_usage_error("run egde -o x", "did you mean \"edge\"?");
   expect_usage_error("check egde", "did you mean \"edge\"?");
@@ -193,6 +193,16 @@ TEST_F(Cli, TwoProcessesWriteTheSameBytes) {
   auto steps = testing::read_steps(one);
   EXPECT_GT(steps["eol_vertices"].back(), 3) << "the fold is not there yet";
   EXPECT_GT(steps["faces"].back(), 200);
+}
+
+// A sheet large enough to be shared out, in contact, with a fold.
+TEST_F(Cli, AnyNumberOfThreadsWritesTheSameBytes) {
+  ASSERT_EQ(crease("run edge --quiet --until 0.1 -o one").status, 0);
+  ASSERT_EQ(crease("run edge --quiet --until 0.1 -o three --threads 3").status, 0);
+  EXPECT_EQ(testing::differences(testing::repeatable_bytes(folder_.path() / "one"),
+                                 testing::repeatable_bytes(folder_.path() / "three")),
+            std::vector<std::string>());
+  EXPECT_GT(testing::read_steps(folder_.path() / "one")["faces"].back(), 1000);
 }
 
 TEST_F(Cli, RefusedSceneWritesNothing) {

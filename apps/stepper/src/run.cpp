@@ -74,7 +74,7 @@ bool nothing_drives(const Scene& scene) {
 std::optional<std::string> rehearse(const LoadedScene& loaded, const RunOptions& options) {
   const Schedule schedule(loaded.scene);
   if (schedule.n_steps == 0) return std::nullopt;
-  Sheets sheets(loaded.scene, options.stages);
+  Sheets sheets(loaded.scene, options.stages, options.threads);
   sheets.restart(loaded.cloths);
   StepRow row;
   const std::optional<std::string> failure = sheets.advance(0, schedule.size_of(1), row);
@@ -128,7 +128,7 @@ Run::Run(const LoadedScene& loaded, const RunOptions& options)
       schedule_(loaded.scene),
       start_(measure(loaded.scene, loaded.cloths)),
       unresolved_(unresolved_features(loaded)),
-      sheets_(loaded.scene, options.stages) {
+      sheets_(loaded.scene, options.stages, options.threads) {
   const bool anew = options.force && !options.resume;
   if (anew || !std::filesystem::exists(directory_.checkpoint()))
     write_whole(directory_.checkpoint(), encode_checkpoint(loaded_.resolved_json, 0, loaded_.cloths));

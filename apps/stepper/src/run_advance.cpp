@@ -101,7 +101,8 @@ struct Sheets::Attempt {
   bool worth_a_retry = true, ran_away = false;
 };
 
-Sheets::Sheets(const Scene& scene, MakeStages make_stages) : scene_(scene), make_stages_(std::move(make_stages)) {}
+Sheets::Sheets(const Scene& scene, MakeStages make_stages, int threads)
+    : scene_(scene), make_stages_(std::move(make_stages)), threads_(threads) {}
 
 void Sheets::restart(std::vector<Cloth> cloths) {
   cloths_ = std::move(cloths);
@@ -111,14 +112,15 @@ void Sheets::restart(std::vector<Cloth> cloths) {
 void Sheets::make_steppers() {
   steppers_.clear();
   std::vector<Stages> stages;
-  for (const ClothSpec& spec : scene_.cloths) stages.push_back(make_stages_(scene_, spec));
+  for (const ClothSpec& spec : scene_.cloths)
+    stages.push_back(make_stages_ ? make_stages_(scene_, spec) : make_stages(scene_, spec, threads_));
   left_out_ = stages_left_out(stages);
   for (std::size_t c = 0; c < stages.size(); ++c) {
     const ClothSpec& spec = scene_.cloths[c];
     // Half a threshold a step of the scene, and no faster in the parts of a step that is retried.
     const double push_out_speed = 0.5 * scene_.threshold / scene_.time_step;
     SheetSettings settings{
-        spec.material, {scene_.gravity, scene_.velocity_terms}, scene_.threshold, push_out_speed, spec.pins};
+        spec.material, {scene_.gravity, scene_.velocity_terms}, scene_.threshold, push_out_speed, spec.pins, threads_};
     steppers_.emplace_back(std::move(settings), std::move(stages[c]));
   }
 }

@@ -16,7 +16,8 @@ class Sheets {
  public:
   using MakeStages = std::function<Stages(const Scene&, const ClothSpec&)>;
   /// @param scene  must outlive this
-  Sheets(const Scene& scene, MakeStages make_stages);
+  /// @param make_stages  empty: the function of that name
+  Sheets(const Scene& scene, MakeStages make_stages, int threads);
 
   /// Goes on from these cloths with steppers that remember nothing.
   void restart(std::vector<Cloth> cloths);
@@ -39,6 +40,7 @@ class Sheets {
 
   const Scene& scene_;
   MakeStages make_stages_;
+  int threads_;
   std::vector<SheetStepper> steppers_;
   std::vector<Cloth> cloths_;
   std::vector<std::string> left_out_;

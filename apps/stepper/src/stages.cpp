@@ -79,7 +79,7 @@ RemeshResult chain_passes(RemeshResult first, RemeshResult second) {
   return second;
 }
 
-Stages make_stages(const Scene& scene, const ClothSpec& spec) {
+Stages make_stages(const Scene& scene, const ClothSpec& spec, int threads) {
   Stages stages;
   if (!scene.obstacles.empty()) {
     auto detector = std::make_shared<Detector>();
@@ -121,7 +121,7 @@ Stages make_stages(const Scene& scene, const ClothSpec& spec) {
   if (scene.obstacles.empty() && spec.pins.empty()) return stages;
   stages.constrain = build_constraints;
   if (is_lagrangian) stages.constrain = lagrangian_rows(scene);
-  auto solver = std::shared_ptr<QpSolver>(make_qp_solver(scene.qp));
+  auto solver = std::shared_ptr<QpSolver>(make_qp_solver(scene.qp, threads));
   stages.solve = [solver, tolerance = scene.tolerance](const QpProblem& problem, std::span<const char> guess) {
     QpOptions options;
     options.tolerance = tolerance;

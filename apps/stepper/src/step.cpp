@@ -178,6 +178,9 @@ const char* to_string(StepStatus status) {
 }
 
 struct SheetStepper::Impl {
+  Impl(SheetSettings given, Stages made)
+      : settings(std::move(given)), stages(std::move(made)), assembler(settings.threads), linear(settings.threads) {}
+
   SheetSettings settings;
   Stages stages;
   Assembler assembler;
@@ -251,7 +254,7 @@ void SheetStepper::Impl::renumber(const std::vector<int>& vertex_map) {
 }
 
 SheetStepper::SheetStepper(SheetSettings settings, Stages stages)
-    : impl_(std::make_unique<Impl>(Impl{std::move(settings), std::move(stages), {}, {}, nullptr, {}, {}, {}, {}})) {
+    : impl_(std::make_unique<Impl>(std::move(settings), std::move(stages))) {
   require_valid(impl_->settings.material);
   require(impl_->stages.solve || !impl_->stages.constrain,
           "SheetStepper: expected a solve stage, as there is one that constrains; got an empty function");

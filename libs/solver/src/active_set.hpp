@@ -17,6 +17,7 @@ namespace crease {
 /// 4. No answer leaves without its kkt_residual() on the problem as given.
 class ActiveSetSolver : public QpSolver {
  public:
+  explicit ActiveSetSolver(int threads) : kkt_(threads) {}
   QpResult solve(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) override;
 
  private:

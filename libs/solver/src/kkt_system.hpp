@@ -21,6 +21,7 @@ namespace crease {
 /// delta > 0 keeps T regular when rows depend on one another; the caller removes its effect by iterating.
 class KktSystem {
  public:
+  explicit KktSystem(int threads) : cholesky_(make_block_cholesky({.threads = threads})) {}
   /// Does nothing if `pattern` is the one analysed last. @return false if the analysis failed
   bool analyze(const BlockPattern& pattern);
   /// Call whenever a value has changed; `qp` has to stay until the next call.
@@ -48,7 +49,7 @@ class KktSystem {
   const ReducedQp* qp_ = nullptr;
   double epsilon_ = 0;
   VecX delta_;
-  std::unique_ptr<BlockCholesky> cholesky_ = make_block_cholesky();
+  std::unique_ptr<BlockCholesky> cholesky_;
   bool factorized_ = false;
   int analyzed_revision_ = 0;
   std::vector<char> base_;  ///< held at the last factorisation

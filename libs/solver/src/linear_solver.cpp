@@ -18,7 +18,7 @@ constexpr int refinements = 2;
 
 struct LinearSolver::Impl {
   BlockPattern pattern;
-  std::unique_ptr<BlockCholesky> cholesky = make_block_cholesky();
+  std::unique_ptr<BlockCholesky> cholesky;
   SparseMatrix full;  ///< H with every entry of its blocks, unless it stores those itself
   bool analyzed = false;
 
@@ -35,7 +35,9 @@ struct LinearSolver::Impl {
   }
 };
 
-LinearSolver::LinearSolver() : impl_(std::make_unique<Impl>()) {}
+LinearSolver::LinearSolver(int threads) : impl_(std::make_unique<Impl>()) {
+  impl_->cholesky = make_block_cholesky({.threads = threads});
+}
 LinearSolver::~LinearSolver() = default;
 LinearSolver::LinearSolver(LinearSolver&&) noexcept = default;
 

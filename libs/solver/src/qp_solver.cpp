@@ -6,10 +6,10 @@
 
 namespace crease {
 
-std::unique_ptr<QpSolver> make_qp_solver(QpMethod method) {
+std::unique_ptr<QpSolver> make_qp_solver(QpMethod method, int threads) {
   switch (method) {
     case QpMethod::ActiveSet:
-      return std::make_unique<ActiveSetSolver>();
+      return std::make_unique<ActiveSetSolver>(threads);
     case QpMethod::Ipopt:
       return make_ipopt_solver();
   }

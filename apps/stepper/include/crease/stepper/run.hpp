@@ -21,7 +21,9 @@ struct RunOptions {
   bool resume = false;            ///< continue from the last checkpoint
   std::string command_line = {};  ///< recorded in summary.json
   /// Makes the stages of each sheet: assign another function to run with a stage of your own.
-  std::function<Stages(const Scene&, const ClothSpec&)> stages = make_stages;
+  /// Empty: make_stages() on that many threads.
+  std::function<Stages(const Scene&, const ClothSpec&)> stages = {};
+  int threads = 1;  ///< >= 1; any number gives the same bytes
 };
 
 struct RunProgress {

@@ -70,6 +70,7 @@ struct SheetSettings {
   double threshold = 1e-3;      ///< contact threshold [m]
   double push_out_speed = 0.1;  ///< see ConstraintOptions [m/s]
   std::vector<PinSpec> pins;
+  int threads = 1;  ///< of assembly, and of the linear solve where there is no solve stage
 };
 
 struct StepOptions {
@@ -104,7 +105,8 @@ class SheetStepper {
 };
 
 /// The shipped stages for a scene's sheet: none that it does not need.
-Stages make_stages(const Scene& scene, const ClothSpec& spec);
+/// @param threads  of the factorisation in the solve stage
+Stages make_stages(const Scene& scene, const ClothSpec& spec, int threads = 1);
 
 /// Two remeshing passes as one, the second of which began with the cloth of the first: reports added up, the map and
 /// the refusals in the numbering of the second's result.

@@ -11,7 +11,8 @@ namespace crease {
 /// symbolic analysis is kept while the pattern of H stays.
 class LinearSolver {
  public:
-  LinearSolver();
+  /// @param threads  of the factorisation, >= 1; any number gives the same bytes
+  explicit LinearSolver(int threads = 1);
   ~LinearSolver();
   LinearSolver(LinearSolver&&) noexcept;
 

@@ -23,6 +23,7 @@ class QpSolver {
   virtual QpResult solve(const QpProblem& problem, const QpOptions& options = {}, std::span<const char> guess = {}) = 0;
 };
 
-std::unique_ptr<QpSolver> make_qp_solver(QpMethod method);
+/// @param threads  of the factorisation, >= 1; any number gives the same bytes. The reference runs on one.
+std::unique_ptr<QpSolver> make_qp_solver(QpMethod method, int threads = 1);
 
 }  // namespace crease
