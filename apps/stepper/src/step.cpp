@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -189,7 +188,7 @@ struct SheetStepper::Impl {
   // Of the last accepted assembly: reused while faces and EOL set stay.
   std::vector<std::array<int, 3>> faces;
   std::vector<char> eol;
-  std::map<RowKey, char> active;  // activity of the last solution, by row
+  std::set<RowKey> active;  // in the last solution
   QpProblem problem;
 
   // The stages of Algorithm 1, in order; false = the step failed and the report says why.
@@ -220,35 +219,33 @@ bool SheetStepper::Impl::same_topology(const Cloth& cloth) {
   return same;
 }
 
-/// Rows known from the last step start as they ended; new ones start active if the unconstrained motion breaks them.
+/// Rows that were active stay so at first; others become it where they are broken by the motion as it is, which is that
+/// of the last solution in this step, or that of the sheet. So a front that comes closer is met on time.
 std::vector<char> SheetStepper::Impl::guess(const Work& work) const {
   const ConstraintRows& rows = work.rows;
+  if (rows.in.empty()) return {};
+  const bool solved = work.solution.q.size() == work.dofs.size();
+  const VecX slack = rows.A_in * (solved ? work.solution.q : gather_velocity(work.cloth, work.dofs)) - rows.b_in;
   std::vector<char> start(rows.in.size());
-  if (start.empty()) return start;
-  VecX free_velocity = gather_velocity(work.cloth, work.dofs);
-  for (int v = 0; v < work.cloth.mesh.n_vertices(); ++v)
-    if (work.dofs.owner(v) == v) free_velocity.segment<3>(work.dofs.x(v)) += work.h * settings.dynamics.gravity;
-  const VecX slack = rows.A_in * free_velocity - rows.b_in;
-  for (std::size_t r = 0; r < rows.in.size(); ++r) {
-    const auto known = active.find(key_of(rows.in[r]));
-    start[r] = known != active.end() ? known->second : static_cast<char>(slack[static_cast<int>(r)] <= 0);
-  }
+  for (std::size_t r = 0; r < rows.in.size(); ++r)
+    start[r] = slack[static_cast<int>(r)] <= 0 || active.contains(key_of(rows.in[r]));
   return start;
 }
 
 void SheetStepper::Impl::remember(const ConstraintRows& rows, const QpResult& solution) {
   active.clear();
-  for (std::size_t r = 0; r < rows.in.size(); ++r) active[key_of(rows.in[r])] = solution.active[r];
+  for (std::size_t r = 0; r < rows.in.size(); ++r)
+    if (solution.active[r]) active.insert(key_of(rows.in[r]));
 }
 
 void SheetStepper::Impl::renumber(const std::vector<int>& vertex_map) {
-  std::map<RowKey, char> moved;
-  for (const auto& [key, value] : active) {
+  std::set<RowKey> moved;
+  for (const RowKey& key : active) {
     const int old = std::get<0>(key);
     if (old < 0 || old >= static_cast<int>(vertex_map.size()) || vertex_map[old] == Mesh::none) continue;
     RowKey renamed = key;
     std::get<0>(renamed) = vertex_map[old];
-    moved[renamed] = value;
+    moved.insert(renamed);
   }
   active = std::move(moved);
 }
@@ -323,6 +320,7 @@ QpStatus SheetStepper::Impl::solve(Work& work) {
   work.report.qp_fell_back = work.report.qp_fell_back || solution.fell_back;
   work.report.kkt_residual = solution.kkt_residual;
   work.report.times.solve += work.watch.lap();
+  if (solution.status == QpStatus::Solved && stages.solve) remember(work.rows, solution);
   return solution.status;
 }
 
@@ -390,7 +388,6 @@ bool SheetStepper::Impl::find_motion(Work& work, Cloth& next) {
 void SheetStepper::Impl::integrate(Work& work, Cloth next, std::span<const Obstacle> obstacles) {
   work.report.released += track_features(next, obstacles, work.time + work.h, settings.threshold, settings.material);
   read_multipliers(work);
-  remember(work.rows, work.solution);
   work.cloth = std::move(next);
   work.report.times.integrate = work.watch.lap();
 }
