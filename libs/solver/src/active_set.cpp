@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "certificates.hpp"
 #include "entry.hpp"
@@ -21,6 +22,21 @@ constexpr int max_proximal_steps = 40;
 constexpr double slow_ratio = 0.5, most_strides = 1e6;
 /// Residual a proximal step aims at; below it there is only rounding to gain.
 constexpr double residual_goal = 1e-12;
+
+class Strides {
+ public:
+  /// How many times the way of the last step is still to be gone, by the step before; 0 where that is not to be seen.
+  double times_left(VecX way) {
+    const double ratio = last_.squaredNorm() > 0 ? way.dot(last_) / last_.squaredNorm() : 0;
+    const bool slow = ratio > slow_ratio;
+    last_ = slow ? VecX() : std::move(way);
+    if (!slow) return 0;
+    return ratio < 1 ? std::min(ratio / (1 - ratio), most_strides) : most_strides;
+  }
+
+ private:
+  VecX last_;  // empty after one that was lengthened, which says nothing of the next
+};
 
 }  // namespace
 
@@ -81,7 +97,7 @@ ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, cons
   WorkingSet set = reduction_.start(guess);
   WorkingSetSearch search(qp, kkt_, options.max_iterations);
   QpResult best, former;
-  VecX stride;  // of the last proximal step that was not lengthened
+  Strides strides;
   best.kkt_residual = std::numeric_limits<double>::infinity();
   const auto finish = [&](QpResult answer, QpStatus status, const char* message) {
     result = std::move(answer);
@@ -110,11 +126,7 @@ ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, cons
         return finish({}, QpStatus::Unbounded, "the objective falls without end along a feasible direction");
     }
     former = std::move(now);
-    const VecX way = search.way();
-    const bool again = stride.size() > 0 && stride.squaredNorm() > 0;
-    const double ratio = again ? way.dot(stride) / stride.squaredNorm() : 0;
-    if (ratio > slow_ratio) search.go_on(ratio < 1 ? std::min(ratio / (1 - ratio), most_strides) : most_strides);
-    stride = ratio > slow_ratio ? VecX() : way;
+    if (const double times = strides.times_left(search.way()); times > 0) search.go_on(times);
   }
   if (best.kkt_residual <= options.tolerance) return finish(best, QpStatus::Solved, "");
   if (status == SearchStatus::IterationLimit) {
