@@ -32,8 +32,8 @@ void ripple(Cloth& cloth, double place) {
 
 Cloth sheet(double place) {
   GridOptions grid;
-  grid.size = Vec2(2.1, 2.1);
-  grid.cells = {21, 21};
+  grid.size = Vec2(2, 2);
+  grid.cells = {20, 20};
   grid.pattern = GridPattern::Irregular;
   Cloth cloth = make_cloth(make_grid(grid));
   for (int pass = 0; pass < 20; ++pass) {

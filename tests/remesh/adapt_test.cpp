@@ -132,16 +132,11 @@ TEST(Adapt, FillsAUnitSquareWithTheWantedSize) {
       const Mesh& mesh = result.cloth.mesh;
       expect_valid(result.cloth, 1);
       EXPECT_TRUE(result.report.refusals.empty());
-      int n_short = 0;
       for (const int h : mesh.edges()) {
         const double L = mesh.material_length(h) / 0.06;
         EXPECT_LE(L, 1 + 1e-12);
-        EXPECT_GE(L, 0.45);
-        n_short += L < 0.5 * (1 - 1e-9) ? 1 : 0;
+        EXPECT_GE(L, 0.5 * (1 - 1e-9));  // halves of what has the longest length are long enough
       }
-      // 27 of these 28 meshes have none, one has one: on the border, where the slack of many edges would have to come
-      // together.
-      EXPECT_LE(n_short, 1);
       EXPECT_GT(good_angles(mesh), 0.995);
       EXPECT_GT(result.report.smallest_angle, 15 * degree);
       EXPECT_FALSE(adapt(result.cloth, options).report.changed);

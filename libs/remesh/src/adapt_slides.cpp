@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <vector>
 
 #include "adapter.hpp"
 #include "even.hpp"
 #include "neighbourhood.hpp"
+#include "relax.hpp"
 #include "room.hpp"
 
 namespace crease {
@@ -14,6 +16,7 @@ namespace {
 
 // How much of a fit (see even.hpp) is worth a slide of a vertex that is in nobody's way but stands beside one that is.
 constexpr double roomy = 1.4;
+constexpr std::size_t max_rings = 6;
 
 }  // namespace
 
@@ -39,16 +42,19 @@ void Adapter::even_out_short_edges() {
   std::copy_if(short_.begin(), short_.end(), std::back_inserter(left),
                [&](const Candidate& edge) { return may_slide(edge.a) || may_slide(edge.b); });
   std::sort(left.begin(), left.end(), [](const Candidate& p, const Candidate& q) { return later_collapse(q, p); });
+  const auto is_left = [&](int a, int b) {
+    return operations() == n_seen_ || (mesh().find_edge(a, b) != Mesh::none && squared_length(a, b) < squared_short);
+  };
   for (const auto& [length, a, b] : left) {
     if (spent_) return;
-    const bool is_new = operations() == n_seen_;
-    if (!is_new && (mesh().find_edge(a, b) == Mesh::none || squared_length(a, b) >= squared_short)) continue;
+    if (!is_left(a, b)) continue;
     const bool may_a = may_slide(a), may_b = may_slide(b);
     if ((may_a && even_out(a, 1)) || (may_b && even_out(b, 1)) || !(may_a || may_b)) continue;
     if (take_out(a) || take_out(b)) continue;
     for (const int end : {a, b})
       for (const int u : mesh().neighbours(end))
         if (may_slide(u)) even_out(u, roomy);
+    if (is_left(a, b)) make_room_around({a, b});
   }
 }
 
@@ -83,6 +89,38 @@ bool Adapter::even_out(int vertex, double enough) {
   touch(faces);
   flip_around(halfedges_around(mesh(), vertex));
   return true;
+}
+
+// The vertices and those around them, in ever more rings, find their places together.
+void Adapter::make_room_around(std::vector<int> vertices) {
+  std::erase_if(vertices, [&](int v) { return !may_slide(v); });
+  std::vector<Move> moves;
+  for (std::size_t ring = 0, inner = 0; ring < max_rings && moves.empty(); ++ring) {
+    const std::size_t n = vertices.size();
+    for (std::size_t k = inner; k < n; ++k)
+      for (const int u : mesh().neighbours(vertices[k]))
+        if (std::find(vertices.begin(), vertices.end(), u) == vertices.end() && may_slide(u)) vertices.push_back(u);
+    if (vertices.size() == n) return;
+    inner = n;
+    moves = relax(mesh(), vertices, 1 / std::sqrt(coarsest_));
+  }
+  for (const auto& [v, X] : moves)
+    if (X != mesh().X[v] && may_go_on(v)) slide(v, X);
+  for (const auto& [v, X] : moves) flip_around(halfedges_around(mesh(), v));
+}
+
+void Adapter::slide(int vertex, const Vec2& X) {
+  const double moved = moved_around(vertex);
+  const std::optional<Slide> place = place_in_star(cloth(), vertex, X);
+  if (!place) return;
+  const Verdict verdict = judge_slide(cloth(), vertex, {place->X, place->x}, 0, limits(moved));
+  if (verdict.trouble) return;
+  editor_.slide(vertex, place->X, place->x, place->v);
+  ++slides_;
+  std::vector<int> faces = mesh().outgoing(vertex);
+  for (int& f : faces) f = Mesh::face_of(f);
+  set_moved(faces, moved + verdict.shift);
+  touch(faces);
 }
 
 }  // namespace crease

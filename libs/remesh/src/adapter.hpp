@@ -59,6 +59,8 @@ class Adapter {
   bool take_out(int vertex);
   bool may_slide(int vertex) const;
   bool even_out(int vertex, double enough);
+  void make_room_around(std::vector<int> vertices);
+  void slide(int vertex, const Vec2& X);
 
   void touch(const std::vector<int>& faces);
   bool look_again();

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 namespace crease {
@@ -55,18 +54,6 @@ double Star::squared_fit(const Vec2& P) const {
   return longest > 0 && longest <= squared_longest ? std::min(shortest / (short_below * short_below), 1 / longest) : 0;
 }
 
-// Along the border or all around.
-std::vector<Vec2> ways(const Mesh& mesh, int vertex) {
-  if (mesh.is_border_vertex(vertex)) {
-    const std::vector<int> around = mesh.neighbours(vertex);
-    const Vec2 along = (mesh.X[around.front()] - mesh.X[around.back()]).normalized();
-    return {along, -along};
-  }
-  constexpr double diagonal = 1 / std::numbers::sqrt2;
-  return {{1, 0},  {diagonal, diagonal},   {0, 1},  {-diagonal, diagonal},
-          {-1, 0}, {-diagonal, -diagonal}, {0, -1}, {diagonal, -diagonal}};
-}
-
 }  // namespace
 
 bool is_free_to_slide(const Cloth& cloth, int vertex) {
@@ -98,7 +85,7 @@ std::optional<Slide> slide_to_even_lengths(const Cloth& cloth, int vertex, std::
   const Star star(mesh, vertex, sizes, least_altitude * unit);
   const double before = Star(mesh, vertex, sizes, 0).squared_fit(mesh.X[vertex]);
   if (before >= enough * enough) return std::nullopt;
-  const std::vector<Vec2> directions = ways(mesh, vertex);
+  const std::vector<Vec2> directions = ways_to_slide(mesh, vertex);
   Vec2 X = mesh.X[vertex];
   double fit = star.squared_fit(X);
   for (double step = first_step; step > last_step;) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "slide.hpp"
 
+#include <numbers>
+
 #include "crease/geometry/triangle.hpp"
 #include "transfer.hpp"
 
@@ -21,6 +23,17 @@ std::optional<Slide> place_in_star(const Cloth& cloth, int vertex, const Vec2& X
     return false;
   });
   return place;
+}
+
+std::vector<Vec2> ways_to_slide(const Mesh& mesh, int vertex) {
+  if (mesh.is_border_vertex(vertex)) {
+    const std::vector<int> around = mesh.neighbours(vertex);
+    const Vec2 along = (mesh.X[around.front()] - mesh.X[around.back()]).normalized();
+    return {along, -along};
+  }
+  constexpr double diagonal = 1 / std::numbers::sqrt2;
+  return {{1, 0},  {diagonal, diagonal},   {0, 1},  {-diagonal, diagonal},
+          {-1, 0}, {-diagonal, -diagonal}, {0, -1}, {diagonal, -diagonal}};
 }
 
 }  // namespace crease

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "crease/geometry/cloth.hpp"
 
@@ -16,5 +17,8 @@ struct Slide {
 
 /// The point of the vertex's faces at X: where it is and how its material moves; nothing outside of them.
 std::optional<Slide> place_in_star(const Cloth& cloth, int vertex, const Vec2& X);
+
+/// Unit vectors: along the border, or to eight sides.
+std::vector<Vec2> ways_to_slide(const Mesh& mesh, int vertex);
 
 }  // namespace crease
