@@ -430,6 +430,8 @@ TEST(EolRows, OfAFoldThatHasLiftedOffOnlyTheTangentRuleIsLeft) {
   EXPECT_EQ(rows_of(lifted), (std::vector{RowKind::EolTangent, RowKind::EolHold, RowKind::EolNormal}));
   sheet.cloth.feature[lifted].lifted = true;
   EXPECT_EQ(rows_of(lifted), std::vector{RowKind::EolTangent});
+  sheet.cloth.feature[lifted].away = 0.005;  // without a fold to follow none of them is: x and X could slide
+  EXPECT_EQ(rows_of(lifted), (std::vector{RowKind::EolTangent, RowKind::EolTangent}));
   EXPECT_EQ(rows_of(sheet.chain[1]).size(), 3u);
 }
 

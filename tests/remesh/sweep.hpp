@@ -177,6 +177,7 @@ class Sweep {
   bool remesh() {
     const std::vector<PosedObstacle> posed = obstacles(poses_);
     ++tally.calls;
+    cloth_.left.clear();  // each place is looked at by itself, not a moment after another
     RemeshResult conformed = conform(cloth_, detector_.detect(cloth_, posed, {}), posed, conforming_);
     last_ = std::move(conformed.report);
     if (!is_sound(conformed.cloth, "conform")) return false;

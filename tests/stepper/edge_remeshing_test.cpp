@@ -36,7 +36,11 @@ TEST(EdgeRemeshing, MovesNoPointOfTheSurfaceByAFifthOfAMillimetre) {
     }
     return result;
   };
-  SheetStepper stepper({spec.material, {scene.gravity, scene.velocity_terms}, scene.threshold, 0.1, spec.pins}, stages);
+  SheetStepper stepper({.material = spec.material,
+                        .dynamics = {scene.gravity, scene.velocity_terms},
+                        .threshold = scene.threshold,
+                        .pins = spec.pins},
+                       stages);
   Cloth cloth = loaded.cloths[0];
   int fewest = 1 << 30, most = 0;
   for (int n = 0; n * scene.time_step < passage; ++n) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// A chain that begins, ends and begins again from step to step costs a remeshing each time and can be seen. Of scenes
-// whose cloth rests or slides on its features none does; where cloth rattles over an edge at metres a second some do
-// (docs/validation.md counts them).
+// A chain that begins, ends and begins again from step to step costs a remeshing each time and can be seen. So what is
+// off its feature lingers for two steps, and where a chain has ended none begins for two. Without, a sixth of the
+// changes in `throw` were taken back: cloth that flies over an edge at metres a second meets it in every other step.
+// One cause is left, in `throw` and `tablecloth`: two riders on one edge that may not be linked for now, since a chain
+// has just ended between them, come so near that one has to give way, and it may have begun a step ago.
 #include <gtest/gtest.h>
 #include <filesystem>
 
@@ -13,25 +15,33 @@
 namespace crease {
 namespace {
 
-class StateChanges : public ::testing::TestWithParam<const char*> {};
+struct Watched {
+  const char* scene;
+  double share = 0;  ///< of the changes that may be taken back
+};
+
+class StateChanges : public ::testing::TestWithParam<Watched> {};
 
 TEST_P(StateChanges, AreNotTakenBackInTheNextStep) {
-  LoadedScene loaded = load_scene(std::filesystem::path(CREASE_SCENES) / (std::string(GetParam()) + ".json"), {});
+  LoadedScene loaded = load_scene(std::filesystem::path(CREASE_SCENES) / (std::string(GetParam().scene) + ".json"), {});
   loaded.scene.formats.clear();
   const auto cover = std::make_shared<testing::ChainCover>();
   RunOptions options;
-  options.directory = testing::scratch_path(std::string("state_changes_") + GetParam());
+  options.directory = testing::scratch_path(std::string("state_changes_") + GetParam().scene);
   options.stages = testing::ChainCover::watched(cover);
   std::filesystem::remove_all(options.directory);
   const RunResult result = run_scene(loaded, options);
   std::filesystem::remove_all(options.directory);
   ASSERT_EQ(result.status, RunStatus::Done) << result.message;
-  EXPECT_GT(cover->changes(), 100) << "places 5 mm apart along an edge of half a metre and more";
-  EXPECT_EQ(cover->taken_back(), 0);
+  EXPECT_GT(cover->changes(), 10) << "five or sixteen tips, or places 5 mm apart along an edge";
+  EXPECT_LE(cover->taken_back(), GetParam().share * cover->changes());
 }
 
-INSTANTIATE_TEST_SUITE_P(AsShipped, StateChanges, ::testing::Values("edge", "lo_res", "wire"),
-                         [](const auto& scene) { return std::string(scene.param); });
+INSTANTIATE_TEST_SUITE_P(AsShipped, StateChanges,
+                         ::testing::Values(Watched{"drape_corner"}, Watched{"edge"}, Watched{"jaws"}, Watched{"lo_res"},
+                                           Watched{"nails"}, Watched{"prism"}, Watched{"push"},
+                                           Watched{"tablecloth", 0.01}, Watched{"throw", 0.01}, Watched{"wire"}),
+                         [](const auto& watched) { return std::string(watched.param.scene); });
 
 }  // namespace
 }  // namespace crease

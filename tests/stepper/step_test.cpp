@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "constraints/eol_sheet.hpp"
+#include "crease/geometry/chain.hpp"
+#include "crease/geometry/feature_place.hpp"
 #include "crease/geometry/grid.hpp"
 
 namespace crease {
@@ -218,6 +220,63 @@ TEST(Step, HoldsWhatRunsAwayOnlyIfAskedTo) {
   const StepResult slow = stepper.step(sheet.cloth, scene.obstacles, 0, h / 10, {.hold_runaways = true});
   ASSERT_EQ(slow.report.status, StepStatus::Done) << slow.report.message;
   EXPECT_EQ(slow.report.held, 0) << "a tenth of a triangle";
+}
+
+// Flat cloth that leaves its edge for a step or two moves as Lagrangian cloth does and comes back to the chain that it
+// had; after that the chain is gone, and where it was is remembered. Also in the parts of a step.
+TEST(Step, LetsAChainLingerForTwoSteps) {
+  const double h = 0.005, speed = 0.5;  // 2.5 mm a step
+  for (const int parts : {1, 2}) {
+    testing::EolSheet sheet = testing::make_eol_sheet(0);
+    for (Vec3& v : sheet.cloth.v) v.z() = speed;
+    Scene scene;
+    scene.obstacles.push_back({.name = "box", .shape = sheet.shape, .start = sheet.pose, .motion = {}});
+    Stages stages = make_stages(scene, {});
+    stages.remesh = {};
+    SheetSettings settings;
+    settings.dynamics.gravity.setZero();
+    settings.linger = 2 * h;
+    SheetStepper stepper(settings, stages);
+    Cloth cloth = sheet.cloth, off_once;
+    const auto step = [&] {
+      int released = 0;
+      for (int part = 0; part < parts; ++part) {
+        StepResult result = stepper.step(cloth, scene.obstacles, 0, h / parts);
+        EXPECT_EQ(result.report.status, StepStatus::Done) << result.report.message;
+        released += result.report.released;
+        cloth = std::move(result.cloth);
+      }
+      EXPECT_EQ(validate(cloth), std::nullopt);
+      return released;
+    };
+    const int n = sheet.cloth.n_eol(), middle = sheet.chain[sheet.chain.size() / 2];
+    for (int i = 1; i <= 2; ++i) {
+      EXPECT_EQ(step(), 0);
+      EXPECT_EQ(cloth.n_eol(), n);
+      EXPECT_FALSE(cloth.rides(middle));
+      EXPECT_NEAR(cloth.feature[middle].away, i * h, 1e-15);
+      EXPECT_EQ(cloth.V[middle].norm(), 0);
+      EXPECT_NEAR(cloth.mesh.x[middle].z(), i * h * speed, 1e-12);
+      if (i == 1) off_once = cloth;
+    }
+    const Cloth off = cloth;
+    cloth = off_once;
+    for (Vec3& v : cloth.v) v.z() = -speed;
+    EXPECT_EQ(step(), 0);
+    EXPECT_TRUE(cloth.rides(middle));
+    EXPECT_EQ(cloth.feature[middle].away, 0);
+    EXPECT_TRUE(cloth.left.empty());
+
+    cloth = off;
+    EXPECT_EQ(step(), n);
+    EXPECT_EQ(cloth.n_eol(), 0);
+    const double at = world_edge(sheet.feature, sheet.obstacles()).parameter(cloth.mesh.x[middle]);
+    EXPECT_TRUE(was_left(cloth, sheet.feature, at));
+    step();
+    EXPECT_TRUE(was_left(cloth, sheet.feature, at));
+    step();
+    EXPECT_FALSE(was_left(cloth, sheet.feature, at));
+  }
 }
 
 // The next mesh line is 40 um ahead of the chain, over 5 cm long; the chain goes there slowly: no quarter of the way.

@@ -5,19 +5,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <memory>
 #include <set>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
-#include "crease/geometry/chain.hpp"
+#include "crease/geometry/feature_place.hpp"
 #include "crease/stepper/run.hpp"
 
 namespace crease::testing {
 
+/// A place changes when a chain begins or ends there; a chain that moves along the edge with its cloth changes nothing.
+/// Steps that failed and were taken in parts count by the parts.
 class ChainCover {
  public:
   /// The shipped stages, watched.
@@ -26,10 +28,9 @@ class ChainCover {
       Stages stages = make_stages(scene, spec);
       stages.remesh = [cover, remesh = stages.remesh](const Cloth& cloth, std::span<const Contact> contacts,
                                                       std::span<const PosedObstacle> obstacles, double h) {
-        ++cover->step_;
-        cover->look(cloth, obstacles);
+        cover->look_before(cloth, obstacles);
         RemeshResult result = remesh(cloth, contacts, obstacles, h);
-        cover->look(result.cloth, obstacles);
+        cover->look_after(result.cloth, obstacles);
         return result;
       };
       return stages;
@@ -39,47 +40,80 @@ class ChainCover {
   /// Changes, over all places.
   int changes() const {
     int n = 0;
-    for (const auto& [place, steps] : changes_) n += static_cast<int>(steps.size());
+    for (const auto& [place, all] : now_.changes) n += static_cast<int>(all.size());
     return n;
   }
   /// Those that take back another one of the same step or the one before.
   int taken_back() const {
     int n = 0;
-    for (const auto& [place, steps] : changes_)
-      for (std::size_t i = 1; i < steps.size(); ++i) n += steps[i] - steps[i - 1] <= 1 ? 1 : 0;
+    for (const auto& [place, all] : now_.changes)
+      for (std::size_t i = 1; i < all.size(); ++i)
+        n += all[i].begins != all[i - 1].begins && all[i].step - all[i - 1].step <= 1 ? 1 : 0;
     return n;
   }
 
  private:
   using Place = std::tuple<int, FeatureKind, int, int>;  // obstacle, kind, index, multiple of `spacing` along an edge
   static constexpr double spacing = 5e-3;                // [m], a quarter of the shortest mesh edges
+  struct Change {
+    int step;
+    bool begins;
+  };
+  struct State {
+    int step = 0;
+    std::set<Place> covered;
+    std::map<Place, std::vector<Change>> changes;
+    Cloth remeshed;  // as the step began to move it
+  };
 
-  void look(const Cloth& cloth, std::span<const PosedObstacle> obstacles) {
-    std::set<Place> now;
+  /// The cloth as a step left it, or again as the last call had it, if that step failed.
+  void look_before(const Cloth& cloth, std::span<const PosedObstacle> obstacles) {
+    if (given_ == cloth.mesh.x)
+      now_ = before_;
+    else
+      before_ = now_;
+    given_ = cloth.mesh.x;
+    Cloth& moved = now_.remeshed;
+    if (moved.mesh.n_vertices() == cloth.mesh.n_vertices()) {
+      moved.mesh.x = cloth.mesh.x;
+      now_.covered = covered_by(moved, obstacles);
+    }
+    note(covered_by(cloth, obstacles));
+    ++now_.step;
+  }
+
+  void look_after(const Cloth& cloth, std::span<const PosedObstacle> obstacles) {
+    note(covered_by(cloth, obstacles));
+    now_.remeshed = cloth;
+  }
+
+  void note(std::set<Place> covered) {
+    for (const Place& place : covered)
+      if (!now_.covered.contains(place)) now_.changes[place].push_back({now_.step, true});
+    for (const Place& place : now_.covered)
+      if (!covered.contains(place)) now_.changes[place].push_back({now_.step, false});
+    now_.covered = std::move(covered);
+  }
+
+  static std::set<Place> covered_by(const Cloth& cloth, std::span<const PosedObstacle> obstacles) {
+    std::set<Place> covered;
     for (int v = 0; v < cloth.mesh.n_vertices(); ++v)
-      if (cloth.rides(v) && cloth.feature[v].kind == FeatureKind::Corner)
-        now.insert({cloth.feature[v].obstacle, FeatureKind::Corner, cloth.feature[v].index, 0});
+      if (cloth.feature[v].kind == FeatureKind::Corner)
+        covered.insert({cloth.feature[v].obstacle, FeatureKind::Corner, cloth.feature[v].index, 0});
     for (const int h : cloth.mesh.edges()) {
       if (cloth.mesh.tag(h) == 0) continue;
       const FeatureId feature = tag_feature(cloth.mesh.tag(h));
-      const PosedObstacle& obstacle = obstacles[feature.obstacle];
-      const SharpEdge& edge = obstacle.shape->edges[feature.index];
-      const Vec3 tangent = obstacle.pose.rotation * (edge.b - edge.a).normalized(), a = obstacle.pose.to_world(edge.a);
+      const WorldEdge edge = world_edge(feature, obstacles);
       const auto [from, to] = std::minmax(
-          {tangent.dot(cloth.mesh.x[cloth.mesh.from(h)] - a), tangent.dot(cloth.mesh.x[cloth.mesh.to(h)] - a)});
+          {edge.parameter(cloth.mesh.x[cloth.mesh.from(h)]), edge.parameter(cloth.mesh.x[cloth.mesh.to(h)])});
       for (int k = static_cast<int>(std::ceil(from / spacing)); k * spacing <= to; ++k)
-        now.insert({feature.obstacle, FeatureKind::Edge, feature.index, k});
+        covered.insert({feature.obstacle, FeatureKind::Edge, feature.index, k});
     }
-    for (const Place& place : now)
-      if (!covered_.contains(place)) changes_[place].push_back(step_);
-    for (const Place& place : covered_)
-      if (!now.contains(place)) changes_[place].push_back(step_);
-    covered_ = std::move(now);
+    return covered;
   }
 
-  int step_ = 0;
-  std::set<Place> covered_;
-  std::map<Place, std::vector<int>> changes_;
+  State now_, before_;
+  std::vector<Vec3> given_;
 };
 
 }  // namespace crease::testing

@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "checkpoints are little-endian");
 
-constexpr std::string_view magic = "crease checkpoint 4\n";
+constexpr std::string_view magic = "crease checkpoint 5\n";
 
 /// FNV-1a, 64 bit: finds a damaged file, not a forged one.
 std::uint64_t hash(std::string_view bytes) {
@@ -91,8 +91,16 @@ void put_cloth(Writer& out, const Cloth& cloth) {
   out.put_vectors(mesh.x);
   out.put_vectors(cloth.V);
   out.put_vectors(cloth.v);
-  for (const FeatureId& id : cloth.feature)
+  for (const FeatureId& id : cloth.feature) {
     out.put(std::array<std::int32_t, 5>{id.obstacle, static_cast<std::int32_t>(id.kind), id.index, id.side, id.lifted});
+    out.put(id.away);
+  }
+  out.put(static_cast<std::int32_t>(cloth.left.size()));
+  for (const LeftStretch& left : cloth.left) {
+    const FeatureId& id = left.feature;
+    out.put(std::array<std::int32_t, 3>{id.obstacle, static_cast<std::int32_t>(id.kind), id.index});
+    out.put(std::array<double, 3>{left.from, left.to, left.age});
+  }
   for (const std::uint64_t pins : cloth.pins) out.put(pins);
   out.put(static_cast<std::int32_t>(mesh.has_seams() ? mesh.n_vertices() : 0));
   for (int v = 0; mesh.has_seams() && v < mesh.n_vertices(); ++v) out.put(static_cast<std::int32_t>(mesh.tied(v)));
@@ -114,7 +122,14 @@ Cloth get_cloth(Reader& in) {
   cloth.v = in.get_vectors<Vec3>(n_vertices);
   for (FeatureId& id : cloth.feature) {
     const auto [obstacle, kind, index, side, lifted] = in.get<std::array<std::int32_t, 5>>();
-    id = {obstacle, static_cast<FeatureKind>(kind), index, side, lifted != 0};
+    id = {obstacle, static_cast<FeatureKind>(kind), index, side, lifted != 0, in.get<double>()};
+  }
+  cloth.left.resize(static_cast<std::size_t>(in.get_count(sizeof(double) * 3)));
+  for (LeftStretch& left : cloth.left) {
+    const auto [obstacle, kind, index] = in.get<std::array<std::int32_t, 3>>();
+    left.feature = {.obstacle = obstacle, .kind = static_cast<FeatureKind>(kind), .index = index};
+    const auto [from, to, age] = in.get<std::array<double, 3>>();
+    left.from = from, left.to = to, left.age = age;
   }
   for (std::uint64_t& pins : cloth.pins) pins = in.get<std::uint64_t>();
   const int n_ties = in.get_count(sizeof(std::int32_t));

@@ -133,6 +133,28 @@ bool stays_on_wire(Cloth& cloth, int vertex, const ObstacleShape& shape, const P
   return wire_normal(cloth, vertex, tangent).dot(x - foot) <= separated_share * threshold;
 }
 
+/// Ends the ride of a vertex that has been away for too long; else it goes on as a Lagrangian one would, in its chain.
+/// @return whether it has ended
+bool leave(Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles, const Tracking& tracking) {
+  FeatureId& feature = cloth.feature[vertex];
+  feature.away += tracking.h;
+  if (feature.away <= tracking.linger + tracking.h / 2) {
+    feature.lifted = true;
+    cloth.v[vertex] = cloth.world_velocity(vertex);
+    cloth.V[vertex].setZero();
+    return false;
+  }
+  const std::vector<LeftStretch> left = stretches_at(cloth, vertex, obstacles);
+  cloth.left.insert(cloth.left.end(), left.begin(), left.end());
+  make_lagrangian(cloth, vertex);
+  return true;
+}
+
+void forget_left(Cloth& cloth, const Tracking& tracking) {
+  for (LeftStretch& left : cloth.left) left.age += tracking.h;
+  std::erase_if(cloth.left, [&](const LeftStretch& left) { return left.age > tracking.linger - tracking.h / 2; });
+}
+
 }  // namespace
 
 Pose mean_motion(const Obstacle& obstacle, double time, double h) {
@@ -144,24 +166,29 @@ Pose mean_motion(const Obstacle& obstacle, double time, double h) {
   return pose;
 }
 
-int track_features(Cloth& cloth, std::span<const Obstacle> obstacles, double time, double threshold,
-                   const Material& material) {
+int track_features(Cloth& cloth, std::span<const Obstacle> obstacles, const Tracking& tracking) {
+  const double threshold = tracking.threshold;
   std::vector<PosedObstacle> posed;
-  for (const Obstacle& obstacle : obstacles) posed.push_back({&obstacle.shape, pose_at(obstacle, time)});
+  for (const Obstacle& obstacle : obstacles) posed.push_back({&obstacle.shape, pose_at(obstacle, tracking.time)});
+  forget_left(cloth, tracking);
   std::vector<int> leaving;
   for (int v = 0; v < cloth.mesh.n_vertices(); ++v) {
     if (!cloth.is_eol(v)) continue;
-    const FeatureId id = cloth.feature[v];
+    FeatureId& id = cloth.feature[v];
+    if (id.away > 0) id.lifted = false;  // there was no fold to follow: is it back?
     const ObstacleShape& shape = *posed[id.obstacle].shape;
     const Pose& pose = posed[id.obstacle].pose;
     const bool at_home = is_on_wire(id, shape) ? stays_on_wire(cloth, v, shape, pose, threshold)
                          : id.kind == FeatureKind::Edge
-                             ? stays(cloth, v, posed, material, threshold)
+                             ? stays(cloth, v, posed, tracking.material, threshold)
                              : stays(shape.corners[id.index], pose, threshold, cloth.mesh.x[v]);
-    if (!at_home) leaving.push_back(v);
+    if (at_home)
+      id.away = 0;
+    else
+      leaving.push_back(v);
   }
-  for (const int v : leaving) make_lagrangian(cloth, v);
-  return static_cast<int>(leaving.size());
+  return static_cast<int>(
+      std::count_if(leaving.begin(), leaving.end(), [&](int v) { return leave(cloth, v, posed, tracking); }));
 }
 
 }  // namespace crease

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int most_halvings = 10;
 constexpr int finest = 1 << most_halvings;  ///< smallest parts in a step
+constexpr double linger_steps = 2;          ///< SheetSettings::linger in steps of the scene
 
 void add_times(const StageTimes& times, StepRow& row) {
   row.t_detect += times.detect;
@@ -119,8 +120,9 @@ void Sheets::make_steppers() {
     const ClothSpec& spec = scene_.cloths[c];
     // Half a threshold a step of the scene, and no faster in the parts of a step that is retried.
     const double push_out_speed = 0.5 * scene_.threshold / scene_.time_step;
-    SheetSettings settings{
-        spec.material, {scene_.gravity, scene_.velocity_terms}, scene_.threshold, push_out_speed, spec.pins, threads_};
+    SheetSettings settings{spec.material,  {scene_.gravity, scene_.velocity_terms}, scene_.threshold,
+                           push_out_speed, linger_steps * scene_.time_step,         spec.pins,
+                           threads_};
     steppers_.emplace_back(std::move(settings), std::move(stages[c]));
   }
 }

@@ -386,7 +386,8 @@ bool SheetStepper::Impl::find_motion(Work& work, Cloth& next) {
 }
 
 void SheetStepper::Impl::integrate(Work& work, Cloth next, std::span<const Obstacle> obstacles) {
-  work.report.released += track_features(next, obstacles, work.time + work.h, settings.threshold, settings.material);
+  work.report.released += track_features(
+      next, obstacles, {work.time + work.h, work.h, settings.threshold, settings.linger, settings.material});
   read_multipliers(work);
   work.cloth = std::move(next);
   work.report.times.integrate = work.watch.lap();

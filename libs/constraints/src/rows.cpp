@@ -91,7 +91,7 @@ void Builder::add_eol_world(int vertex) {
 // Eulerian part of Algorithm 2.
 void Builder::add_eol_material(int vertex) {
   const RowKind kind = cloth.mesh.is_border_vertex(vertex) ? RowKind::EolBorder : RowKind::EolTangent;
-  const bool is_held = !options.held.empty() && options.held[vertex] != 0;
+  const bool is_held = cloth.feature[vertex].away > 0 || (!options.held.empty() && options.held[vertex] != 0);
   int slot = 0;
   for (const Vec2& direction :
        is_held ? std::vector<Vec2>{Vec2::UnitX(), Vec2::UnitY()} : eulerian_rows(cloth, vertex, obstacles)) {

@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "crease/base/require.hpp"
+#include "crease/geometry/feature_place.hpp"
 #include "crease/geometry/triangle.hpp"
 
 namespace crease {
@@ -73,6 +74,32 @@ double fold_angle(const Cloth& cloth, int vertex) {
     angle = std::max(angle, std::atan2(m.cross(n).norm(), m.dot(n)));
   }
   return angle;
+}
+
+std::vector<LeftStretch> stretches_at(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles) {
+  const Mesh& mesh = cloth.mesh;
+  std::vector<LeftStretch> stretches;
+  if (cloth.feature[vertex].kind == FeatureKind::Corner) stretches.push_back({.feature = cloth.feature[vertex]});
+  for (const int u : mesh.neighbours(vertex)) {
+    const int tag = mesh.tag(mesh.find_edge(vertex, u));
+    if (tag == 0) continue;
+    const WorldEdge edge = world_edge(tag_feature(tag), obstacles);
+    const auto [from, to] = std::minmax({edge.parameter(mesh.x[vertex]), edge.parameter(mesh.x[u])});
+    stretches.push_back({.feature = tag_feature(tag), .from = from, .to = to});
+  }
+  return stretches;
+}
+
+bool was_left(const Cloth& cloth, const FeatureId& feature, double at) {
+  return std::any_of(cloth.left.begin(), cloth.left.end(), [&](const LeftStretch& left) {
+    return left.feature == feature && (feature.kind == FeatureKind::Corner || (left.from <= at && at <= left.to));
+  });
+}
+
+bool was_left_between(const Cloth& cloth, const FeatureId& edge, double from, double to, double share) {
+  return std::any_of(cloth.left.begin(), cloth.left.end(), [&](const LeftStretch& left) {
+    return left.feature == edge && std::min(left.to, to) - std::max(left.from, from) > share;
+  });
 }
 
 Vec2 border_normal(const Mesh& mesh, int vertex) {

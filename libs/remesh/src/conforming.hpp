@@ -45,10 +45,18 @@ inline constexpr double link_share = 0.45;
 inline constexpr double leave_share = 2;
 /// A feature stands back from one of an earlier obstacle within this; and, once its chain has begun, within less.
 inline constexpr double aside_insert_share = 0.5, aside_share = 0.25;
+/// A link may reach this far into a stretch that a chain has just left: vertices at its ends move.
+inline constexpr double left_share = 0.01;
 // -- share of the border angle
 // ------------------------------------------------------------------------------------------
 /// A chain that meets the border at less than this share of the angle is released.
 inline constexpr double release_angle_share = 0.75;
+
+// -- share of what a vertex would reach in the time ahead
+// ------------------------------------------------------------------
+/// Way that a chain cannot do without: of seven steps 4.55, since one may cross 0.3 of a triangle and the next look is
+/// a step away.
+inline constexpr double need_share = 0.65;
 
 /// What the stages share.
 struct Conforming {
@@ -64,6 +72,7 @@ struct Conforming {
   const Cloth& cloth() const { return editor.cloth(); }
   const Mesh& mesh() const { return editor.mesh(); }
   double merge(double share) const { return share * options.merge; }
+  double left_between() const { return left_share * options.snap; }
   /// Cosine of a share of the border angle.
   double border_cosine(double share) const;
 };
@@ -86,6 +95,10 @@ bool ends_beside(const Conforming& c, int u, const Vec2& P, const FeatureId& fea
 // -- stages
 // ---------------------------------------------------------------------------------------------------------------
 void release_strays(Conforming& c);
+/// Whether u rides on the feature too, in another place of it, and no link may join it to one at the point x for now.
+bool is_parted(const Conforming& c, const FeatureId& feature, const Vec3& x, int u);
+/// Ends the ride of a vertex: for a while no chain begins where it was.
+void let_go(Conforming& c, int v);
 void insert_contacts(Conforming& c, std::span<const Contact> contacts);
 void connect_chains(Conforming& c);
 void merge_near_chains(Conforming& c);

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "conforming.hpp"
+#include "crease/geometry/chain.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
@@ -120,7 +121,8 @@ void Linker::take_in(int p) {
 
 bool Linker::could_follow(int p, int q) const {
   const double material = (mesh().X[q] - mesh().X[p]).norm(), world = place(q) - place(p);
-  return material <= most_slack * world + c_.options.merge;
+  return material <= most_slack * world + c_.options.merge &&
+         !was_left_between(c_.cloth(), feature_, place(p), place(q), c_.left_between());
 }
 
 bool Linker::lies_near(const Vec3& x) const {

@@ -130,6 +130,7 @@ Mesh::Split Editor::split_alone(int h, double t) {
     V = (1 - t) * cloth_.V[a] + t * cloth_.V[b];
     feature = tag_feature(tag);
     feature.lifted = cloth_.feature[a].lifted || cloth_.feature[b].lifted;
+    feature.away = std::max(cloth_.feature[a].away, cloth_.feature[b].away);
   }
   const Mesh::Split done = cloth_.mesh.split(h, t);
   add_vertex(v, V, feature, pins);
@@ -245,6 +246,10 @@ void Editor::release(int vertex) {
   change_star(vertex, [&] { make_lagrangian(cloth_, vertex); });
   report_.changed = true;
   ++report_.released;
+}
+
+void Editor::note_left(std::span<const LeftStretch> stretches) {
+  cloth_.left.insert(cloth_.left.end(), stretches.begin(), stretches.end());
 }
 
 void Editor::set_tag(int h, int tag) {

@@ -48,6 +48,8 @@ class Editor {
   /// Shares the velocity of an EOL vertex that has none in Xdot yet: Xdot given, world velocity kept.
   void share(int vertex, const Vec2& V, const Mat32& F);
   void release(int vertex);
+  /// Notes that a chain has left these.
+  void note_left(std::span<const LeftStretch> stretches);
   void set_tag(int h, int tag);
 
   void refuse(RefusalReason reason, int vertex, const Vec2& X);

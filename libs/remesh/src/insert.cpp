@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "conforming.hpp"
+#include "crease/geometry/chain.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
@@ -83,11 +84,19 @@ double adopt_reach(const Conforming& c, int h) {
   return c.merge(c.mesh().is_border(h) ? 2 * adopt_share : adopt_share);
 }
 
+// Where a chain has just ended, it was for a reason that may last: one that begins there at once ends again, and so on.
+bool was_left(const Conforming& c, const Contact& contact) {
+  const bool is_edge = contact.feature.kind == FeatureKind::Edge;
+  return was_left(c.cloth(), contact.feature,
+                  is_edge ? world_edge(contact.feature, c.obstacles).parameter(contact.point) : 0.0);
+}
+
 // The sign of the gap tells in from out: what is inside has to come out, what is outside has to arrive first.
 bool wanted(const Conforming& c, const Contact& contact, FeatureKind kind) {
   return contact.feature.kind == kind && contact.distance <= begin_share * c.options.snap &&
          contact.distance >= -c.options.snap && exists(contact.feature, c.obstacles) &&
-         !stands_back(contact.feature, c.obstacles, contact.point, aside_insert_share * c.options.snap);
+         !stands_back(contact.feature, c.obstacles, contact.point, aside_insert_share * c.options.snap) &&
+         !was_left(c, contact);
 }
 
 // Border ends first, since inner edges cannot move them; then the nearest ends, so that vertices move least.
@@ -117,6 +126,16 @@ bool is_beside_lifted(const Conforming& c, int h, const FeatureId& feature) {
   return false;
 }
 
+// Beside a rider that it may not be linked to, a new one would have to give way to it.
+bool is_beside_parted(const Conforming& c, int h, const Vec3& x, const FeatureId& feature) {
+  for (const int side : {h, c.mesh().twin(h)}) {
+    if (side == Mesh::none) continue;
+    for (const int u : {c.mesh().from(side), c.mesh().opposite(side)})
+      if (is_parted(c, feature, x, u)) return true;
+  }
+  return false;
+}
+
 void insert_crossing(Conforming& c, const Contact& contact) {
   const auto [h, t] = locate(c.mesh(), contact);
   if (h == Mesh::none) return;
@@ -131,6 +150,7 @@ void insert_crossing(Conforming& c, const Contact& contact) {
     if (lies_on(c.cloth().feature[v], contact.feature, c.obstacles)) return;
   if (is_beside_lifted(c, h, contact.feature)) return;
   const SurfacePoint point = on_edge_point(c.cloth(), h, t);
+  if (is_beside_parted(c, h, point.x, contact.feature)) return;
   if (separates(c, contact.feature, point, contact.normal)) {
     c.editor.refuse_once(RefusalReason::Separating, point.X);
     return;

@@ -40,9 +40,6 @@ constexpr double good_altitude_share = 0.8;
 constexpr double good_shift_share = 0.1;
 // A foot nearer to an end of its chain edge than this share of `merge` is that end.
 constexpr double least_foot_share = 0.5;
-// Way that a chain cannot do without, as a share of what it would reach in the time ahead: of seven steps 4.55, since
-// one may cross 0.3 of a triangle and the next look is a step away.
-constexpr double need_share = 0.65;
 // Nor may a new edge run deeper than this share of `snap` inside a feature, unless what is in the way is within
 // last_share: vertices that hover over a gap in a chain are all that keeps the cloth from cutting through there.
 constexpr double inside_share = 0.5;
@@ -167,7 +164,7 @@ bool Merger::drop_dangling(int v, int q) {
   if (links != 1) return false;
   const Ring ring = ring_after(cloth(), v, at_vertex(mesh(), q));
   if (!ring.sound || ring.turn > permission(0).turn) return false;
-  c_.editor.release(v);
+  let_go(c_, v);
   if (mesh().can_collapse_vertex(v, q)) c_.editor.collapse(v, q);
   return true;
 }
@@ -180,7 +177,7 @@ bool Merger::drop_second_rider(int v) {
   for (int q = v + 1; q < mesh().vertex_slots(); ++q) {
     if (!mesh().vertex_live(q) || !(cloth().feature[q] == corner) || distance(v, q) >= c_.merge(chain_merge_share))
       continue;
-    c_.editor.release(q);
+    let_go(c_, q);
     return true;
   }
   return false;

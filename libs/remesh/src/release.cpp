@@ -76,6 +76,14 @@ bool runs_into_chain(const Conforming& c, int v) {
 
 }  // namespace
 
+bool is_parted(const Conforming& c, const FeatureId& feature, const Vec3& x, int u) {
+  if (feature.kind != FeatureKind::Edge || !c.cloth().rides(u) || !lies_on(c.cloth().feature[u], feature, c.obstacles))
+    return false;
+  const WorldEdge edge = world_edge(feature, c.obstacles);
+  const auto [from, to] = std::minmax({edge.parameter(x), edge.parameter(c.mesh().x[u])});
+  return was_left_between(c.cloth(), feature, from, to, c.left_between());
+}
+
 bool ends_beside(const Conforming& c, int u, const Vec2& P, const FeatureId& feature, double reach) {
   const FeatureId& other = c.cloth().feature[u];
   return other.kind == FeatureKind::Edge && !(other == feature) && c.mesh().is_border_vertex(u) &&
@@ -99,15 +107,32 @@ bool passes_by(const Conforming& c, int vertex, const Vec2& P, const FeatureId& 
   return false;
 }
 
-// A fold that has lifted off is led by nothing, and gives way to whatever else rides beside it.
+// Of two that run into each other one is enough.
+bool gives_way_to(const Conforming& c, int v, int u) {
+  return c.cloth().feature[u].kind == FeatureKind::Corner || u < v;
+}
+
+// A fold that has lifted off is led by nothing, and gives way to whatever else rides beside it. So does what a chain
+// has left standing: it stays in its place in the material, and a rider that is not linked to it, so that the two
+// cannot be merged, would run into it.
 bool drifts_into_rider(const Conforming& c, int v) {
   const Mesh& mesh = c.mesh();
-  if (!c.cloth().feature[v].lifted) return false;
+  const FeatureId& feature = c.cloth().feature[v];
   const std::vector<int> around = mesh.neighbours(v);
   return std::any_of(around.begin(), around.end(), [&](int u) {
-    return c.cloth().rides(u) && mesh.tag(mesh.find_edge(v, u)) == 0 &&
-           (mesh.X[u] - mesh.X[v]).norm() < c.merge(cross_share);
+    if (!c.cloth().rides(u) || mesh.tag(mesh.find_edge(v, u)) != 0) return false;
+    const bool stands = feature.away > 0 || (gives_way_to(c, v, u) && is_parted(c, feature, mesh.x[v], u));
+    if (!feature.lifted && !stands) return false;
+    const double ahead = stands ? need_share * c.options.look_ahead * c.cloth().V[u].norm() : 0.0;
+    return (mesh.X[u] - mesh.X[v]).norm() < std::max(c.merge(cross_share), ahead);
   });
+}
+
+// A method without Eulerian unknowns makes its chains anew in every step.
+void let_go(Conforming& c, int v) {
+  if (c.options.eulerian && exists(c.cloth().feature[v], c.obstacles))
+    c.editor.note_left(stretches_at(c.cloth(), v, c.obstacles));
+  c.editor.release(v);
 }
 
 // All are judged before any is released: a release clears the tags that the others' tangents come from.
@@ -116,7 +141,7 @@ void release_strays(Conforming& c) {
   for (int v = 0; v < c.mesh().vertex_slots(); ++v)
     if (c.cloth().is_eol(v) && (has_left(c, v) || is_crowded(c, v) || runs_into_chain(c, v) || drifts_into_rider(c, v)))
       strays.push_back(v);
-  for (const int v : strays) c.editor.release(v);
+  for (const int v : strays) let_go(c, v);
 }
 
 }  // namespace crease

@@ -69,6 +69,9 @@ struct SheetSettings {
   DynamicsOptions dynamics;
   double threshold = 1e-3;      ///< contact threshold [m]
   double push_out_speed = 0.1;  ///< see ConstraintOptions [m/s]
+  /// How long a chain that is off its feature may come back to it, and none begins where one has ended; 0: both at once
+  /// [s].
+  double linger = 0;
   std::vector<PinSpec> pins;
   int threads = 1;  ///< of assembly, and of the linear solve where there is no solve stage
 };

@@ -24,6 +24,15 @@ Vec2 chain_tangent(const Cloth& cloth, int vertex, std::span<const PosedObstacle
 /// edge of its chain; 0 without one.
 double fold_angle(const Cloth& cloth, int vertex);
 
+/// What the vertex covers of sharp features: its corner, and the edges of the chains that it is in.
+std::vector<LeftStretch> stretches_at(const Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles);
+
+/// Whether a chain has left the corner, or the place `at` on the edge (WorldEdge::parameter), a short while ago.
+bool was_left(const Cloth& cloth, const FeatureId& feature, double at);
+
+/// Whether a chain has left more than `share` [m] of the edge between two places a short while ago.
+bool was_left_between(const Cloth& cloth, const FeatureId& edge, double from, double to, double share);
+
 /// Unit material vector orthogonal to the border at a border vertex (mean of its two border edges).
 Vec2 border_normal(const Mesh& mesh, int vertex);
 

@@ -12,6 +12,13 @@
 
 namespace crease {
 
+/// A stretch of a sharp edge, or a corner, that a chain of the cloth has left a short while ago.
+struct LeftStretch {
+  FeatureId feature;
+  double from = 0, to = 0;  ///< along the edge, see WorldEdge::parameter; 0 of a corner [m]
+  double age = 0;           ///< time since [s]
+};
+
 /// One sheet: where it is, how it moves, and which of its vertices ride on an obstacle's sharp feature.
 ///
 /// A vertex whose `feature` is set is an EOL vertex: its unknowns are (xdot, Xdot), 5 numbers. Every other vertex is
@@ -23,6 +30,8 @@ struct Cloth {
   std::vector<Vec2> V;              ///< Xdot: material velocity of the vertex [m/s]; zero unless EOL
   std::vector<FeatureId> feature;   ///< kind None = Lagrangian
   std::vector<std::uint64_t> pins;  ///< bit k set: held by pin k; such a vertex is never removed
+
+  std::vector<LeftStretch> left = {};  ///< no chain begins there
 
   bool is_eol(int vertex) const { return feature[vertex].kind != FeatureKind::None; }
   /// An EOL vertex whose fold has not lifted off.

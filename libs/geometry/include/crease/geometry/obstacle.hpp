@@ -28,6 +28,9 @@ struct FeatureId {
   /// goes on through the material as a wave does along a string, but nothing leads it; it touches obstacles like any
   /// other.
   bool lifted = false;
+  /// How long the vertex has been off its feature, if it is lifted without a fold to follow [s]: its material
+  /// coordinates stay (Xdot = 0), so it moves as a Lagrangian one, but its chain is still there should it come back.
+  double away = 0;
   /// Of places: two sheets on the two sides of a wire are on the same feature, and so is a fold that has lifted off it.
   bool operator==(const FeatureId& other) const {
     return obstacle == other.obstacle && kind == other.kind && index == other.index;
