@@ -7,6 +7,7 @@
 // has just ended between them, come so near that one has to give way, and it may have begun a step ago.
 #include <gtest/gtest.h>
 #include <filesystem>
+#include <ostream>
 
 #include "support/chain_cover.hpp"
 #include "support/runs.hpp"
@@ -18,6 +19,8 @@ namespace {
 struct Watched {
   const char* scene;
   double share = 0;  ///< of the changes that may be taken back
+
+  friend void PrintTo(const Watched& watched, std::ostream* out) { *out << watched.scene; }
 };
 
 class StateChanges : public ::testing::TestWithParam<Watched> {};

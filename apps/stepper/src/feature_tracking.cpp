@@ -144,8 +144,10 @@ bool leave(Cloth& cloth, int vertex, std::span<const PosedObstacle> obstacles, c
     cloth.V[vertex].setZero();
     return false;
   }
-  const std::vector<LeftStretch> left = stretches_at(cloth, vertex, obstacles);
-  cloth.left.insert(cloth.left.end(), left.begin(), left.end());
+  if (tracking.linger > 0) {
+    const std::vector<LeftStretch> left = stretches_at(cloth, vertex, obstacles);
+    cloth.left.insert(cloth.left.end(), left.begin(), left.end());
+  }
   make_lagrangian(cloth, vertex);
   return true;
 }

@@ -12,6 +12,7 @@ namespace crease {
 //
 // Real is double, or a vector of GCC's; Vec is a plain array of numbers of three axes.
 #define CREASE_ALWAYS_INLINE [[gnu::always_inline]] inline
+#define CREASE_ALWAYS_INLINED __attribute__((always_inline))  // the same of a lambda
 
 // Below this stretch the direction u_i is rounding noise and any orthogonal one serves.
 constexpr double directionless_stretch = 1e-12;  // [1]
@@ -165,14 +166,14 @@ CREASE_ALWAYS_INLINE MembraneTerms<Real> membrane_terms(const Moduli& moduli, Re
   const Real out1 = larger(psi1, zero) / cut1, out2 = larger(psi2, zero) / cut2;
   const double flip = 2 * mu, stretch = 2 * mu + lambda;
   const Real shear = 0.5 * (flip + twist), swap = 0.5 * (flip - twist);
-  const auto straight = [&](int i, int j, Real& along, Real& across, Real& out) {
+  const auto straight = [&](int i, int j, Real& along, Real& across, Real& out) CREASE_ALWAYS_INLINED {
     const Real aa = area * (a[i] * a[j]), bb = area * (b[i] * b[j]);
     along = stretch * aa + shear * bb;
     across = stretch * bb + shear * aa;
     out = out1 * aa + out2 * bb;
   };
   // u_1 u_1^T and so on, entry (row, col) of each.
-  const auto own = [&](int i, Real(&K)[9]) {
+  const auto own = [&](int i, Real(&K)[9]) CREASE_ALWAYS_INLINED {
     Real along, across, out;
     straight(i, i, along, across, out);
     const Real mixed = area * ((lambda + swap) * (a[i] * b[i]));
