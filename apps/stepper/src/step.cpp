@@ -204,6 +204,7 @@ struct SheetStepper::Impl {
 
   bool same_topology(const Cloth& cloth);
   std::vector<char> guess(const Work& work) const;
+  void forget();
   void remember(const ConstraintRows& rows, const QpResult& solution);
   void renumber(const std::vector<int>& vertex_map);
 };
@@ -230,6 +231,13 @@ std::vector<char> SheetStepper::Impl::guess(const Work& work) const {
   for (std::size_t r = 0; r < rows.in.size(); ++r)
     start[r] = slack[static_cast<int>(r)] <= 0 || active.contains(key_of(rows.in[r]));
   return start;
+}
+
+/// What was remembered is of a mesh that a failed step has thrown away.
+void SheetStepper::Impl::forget() {
+  faces.clear();
+  eol.clear();
+  active.clear();
 }
 
 void SheetStepper::Impl::remember(const ConstraintRows& rows, const QpResult& solution) {
@@ -402,7 +410,10 @@ StepResult SheetStepper::step(const Cloth& cloth, std::span<const Obstacle> obst
   impl_->detect(work);
   impl_->remesh(work);
   Cloth next;
-  if (!impl_->assemble(work) || !impl_->find_motion(work, next)) return {cloth, std::move(work.report)};
+  if (!impl_->assemble(work) || !impl_->find_motion(work, next)) {
+    impl_->forget();
+    return {cloth, std::move(work.report)};
+  }
   impl_->integrate(work, std::move(next), obstacles);
   return {std::move(work.cloth), std::move(work.report)};
 }

@@ -170,14 +170,14 @@ bool Merger::drop_dangling(int v, int q) {
 }
 
 // Where two layers of cloth hang on one corner and what is between them is drawn away, both riders come to the same
-// place: the second lets go, and is then in the first one's way like any other.
+// place: the second lets go, or the one that is off the corner, and is then in the first one's way like any other.
 bool Merger::drop_second_rider(int v) {
   const FeatureId& corner = cloth().feature[v];
   if (corner.kind != FeatureKind::Corner) return false;
   for (int q = v + 1; q < mesh().vertex_slots(); ++q) {
     if (!mesh().vertex_live(q) || !(cloth().feature[q] == corner) || distance(v, q) >= c_.merge(chain_merge_share))
       continue;
-    let_go(c_, q);
+    let_go(c_, cloth().rides(q) && !cloth().rides(v) ? v : q);
     return true;
   }
   return false;
