@@ -10,7 +10,7 @@ namespace crease {
 // lane has the bytes of a double, whatever the register. Everything is inlined without exception: a copy compiled with
 // the instructions of one processor must never be the one that the linker keeps for all. No other header, and no Eigen.
 //
-// Real is double, or a vector of GCC's; Vec is a plain array of numbers of three axes.
+// Real is double, or a vector of GCC's; Axes are plain arrays of them, one for each axis.
 #define CREASE_ALWAYS_INLINE [[gnu::always_inline]] inline
 #define CREASE_ALWAYS_INLINED __attribute__((always_inline))  // the same of a lambda
 

@@ -108,7 +108,7 @@ bool passes_by(const Conforming& c, int vertex, const Vec2& P, const FeatureId& 
 }
 
 // Of two that run into each other one is enough.
-bool gives_way_to(const Conforming& c, int v, int u) {
+static bool gives_way_to(const Conforming& c, int v, int u) {
   return c.cloth().feature[u].kind == FeatureKind::Corner || u < v;
 }
 
@@ -118,6 +118,7 @@ bool gives_way_to(const Conforming& c, int v, int u) {
 bool drifts_into_rider(const Conforming& c, int v) {
   const Mesh& mesh = c.mesh();
   const FeatureId& feature = c.cloth().feature[v];
+  if (!feature.lifted && c.cloth().left.empty()) return false;  // nothing stands, nothing is parted
   const std::vector<int> around = mesh.neighbours(v);
   return std::any_of(around.begin(), around.end(), [&](int u) {
     if (!c.cloth().rides(u) || mesh.tag(mesh.find_edge(v, u)) != 0) return false;
