@@ -55,8 +55,8 @@ TEST(WireScene, FoldsOverTheWireAndSlidesToAndFro) {
 }
 
 // scenes/nails.json: until the border comes to the first row of tips, each of the 16 carries its own vertex, but for
-// moments where the swinging sheet jumps off one by more than the hover; and material slides over them after the held
-// corners, which go .08 m from .5 s on.
+// moments where the swinging sheet jumps off one by more than the hover (its vertex lingers above it for two steps, and
+// is let go); and material slides over them after the held corners, which go .08 m from .5 s on.
 TEST(NailsScene, SlidesOverEveryTipWithoutASnag) {
   const std::vector<Frame> frames = run_coarse("nails", 0.75, "[0.04,0.08]");
   ASSERT_GE(frames.size(), 45u);
@@ -64,14 +64,16 @@ TEST(NailsScene, SlidesOverEveryTipWithoutASnag) {
   int judged = 0, complete = 0;
   for (const Frame& frame : frames) {
     if (frame.time < 0.1) continue;
-    ASSERT_GE(frame.eol.size(), 14u) << "at " << frame.time << " s";
     double sum = 0;
+    int on_tips = 0;
     for (const int v : frame.eol) {
-      EXPECT_NEAR(frame.x[v].z(), -1e-3, 0.5 * threshold) << "at " << frame.time;
+      EXPECT_GT(frame.x[v].z(), -1e-3 - 0.5 * threshold) << "at " << frame.time;
+      on_tips += frame.x[v].z() < -1e-3 + 0.5 * threshold ? 1 : 0;
       sum += frame.X[v].x();
     }
+    ASSERT_GE(on_tips, 14) << "at " << frame.time << " s";
     ++judged;
-    if (frame.eol.size() != 16) continue;
+    if (on_tips != 16 || frame.eol.size() != 16) continue;
     ++complete;
     if (frame.time < 0.5) first = sum / 16;
     last = sum / 16;

@@ -47,6 +47,10 @@ inline constexpr double leave_share = 2;
 inline constexpr double aside_insert_share = 0.5, aside_share = 0.25;
 /// A link may reach this far into a stretch that a chain has just left: vertices at its ends move.
 inline constexpr double left_share = 0.01;
+// -- strain
+// ---------------------------------------------------------------------------------------------------------------
+/// Energy that a patch may gain where a chain needs the change, but not at once: as a strain, see strain.hpp [1].
+inline constexpr double needed_strain = 0.03;
 // -- share of the border angle
 // ------------------------------------------------------------------------------------------
 /// A chain that meets the border at less than this share of the angle is released.

@@ -10,6 +10,7 @@
 
 #include "crease/geometry/triangle.hpp"
 #include "shift.hpp"
+#include "strain.hpp"
 
 namespace crease {
 
@@ -113,6 +114,7 @@ Verdict judge_removal(const Cloth& cloth, int vertex, int into, const GuardLimit
   const double shift = shift_after(cloth, vertex, target, ring);
   if (shift > limits.shift) return {RefusalReason::WouldMoveSurface};
   if (!leaves_features(cloth, vertex, target, shift, limits.surroundings)) return {RefusalReason::NearObstacle};
+  if (strain_gained(cloth, vertex, target) > unfelt_strain) return {RefusalReason::WouldMoveSurface};
   return {std::nullopt, shift};
 }
 
@@ -226,6 +228,7 @@ Verdict judge_flip(const Cloth& cloth, int h, const GuardLimits& limits) {
     const std::array held{cloth.feature[a], cloth.feature[b], cloth.feature[c], cloth.feature[d]};
     if (!limits.surroundings.allow(swept, shift, held)) return {RefusalReason::NearObstacle};
   }
+  if (strain_gained_by_flip(mesh, h) > unfelt_strain) return {RefusalReason::WouldMoveSurface};
   return {std::nullopt, shift};
 }
 
@@ -254,6 +257,7 @@ Verdict judge_slide(const Cloth& cloth, int vertex, const Target& target, double
   const double shift = shift_after(cloth, vertex, target, ring);
   if (ring.turn > limits.turn || shift > limits.shift) return {RefusalReason::WouldMoveSurface, shift};
   if (!leaves_features(cloth, vertex, target, shift, limits.surroundings)) return {RefusalReason::NearObstacle};
+  if (strain_gained(cloth, vertex, target) > unfelt_strain) return {RefusalReason::WouldMoveSurface};
   return {std::nullopt, shift};
 }
 

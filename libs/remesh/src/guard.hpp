@@ -15,6 +15,9 @@ namespace crease {
 inline constexpr double least_angle = 0.14;  // 8 degrees
 /// Two faces that meet at more than this in the world are a fold that a flip would cut through [rad].
 inline constexpr double flip_dihedral = 0.35;  // 20 degrees
+/// An operation may give its patch the energy of this strain, see strain.hpp [1]: a stiff sheet of E = 2000 N/m then
+/// gains .004 J/m^2, as much as .05 kg/m^2 have at .4 m/s.
+inline constexpr double unfelt_strain = 2e-3;
 
 /// Where a vertex that is removed goes: into the vertex `a`, or, with `b` set, into a vertex that will be made on edge
 /// ab. A vertex that stays and only slides along the surface has neither.

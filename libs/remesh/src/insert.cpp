@@ -10,6 +10,7 @@
 #include "crease/geometry/triangle.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
+#include "strain.hpp"
 #include "transfer.hpp"
 
 // Insertion changes the mesh under the contacts' feet. Vertex ids stay valid, so a contact finds its edge or face again
@@ -201,6 +202,9 @@ bool adopt_nearest(Conforming& c, int face, const SurfacePoint& point, const Fea
   const int v =
       *std::min_element(vertices.begin(), vertices.end(), [&](int p, int q) { return distance(p) < distance(q); });
   if (distance(v) > c.merge(adopt_share) || c.mesh().is_border_vertex(v)) return false;
+  // Of a steep cone the tip stays where it is; what is left beside it will be absorbed when that costs less.
+  if (distance(v) > c.merge(least_gap_share) && strain_gained(c.cloth(), v, {point.X, point.x}) > unfelt_strain)
+    return false;
   const FeatureId feature = c.cloth().feature[v];
   if (feature.kind == FeatureKind::Edge && lies_on(corner, feature, c.obstacles) && can_slide(c.mesh(), v, point.X))
     c.editor.release(v);
@@ -216,6 +220,9 @@ int split_at(Conforming& c, int face, const SurfacePoint& point) {
     if (cross2(e, point.X - start) / e.norm() > c.merge(adopt_share)) continue;
     const double t = e.dot(point.X - start) / e.squaredNorm();
     if (c.mesh().is_border(h) || c.mesh().tag(h) != 0 || !c.mesh().can_split(h, t)) continue;
+    if (cross2(e, point.X - start) / e.norm() > c.merge(least_gap_share) &&
+        strain_gained_by_split(c.mesh(), h, {point.X, point.x}) > unfelt_strain)
+      continue;
     const int v = c.editor.split(h, t).vertex;
     if (can_slide(c.mesh(), v, point.X)) {
       c.editor.slide(v, point.X, point.x, point.v);

@@ -11,6 +11,7 @@
 #include "guard.hpp"
 #include "metric.hpp"
 #include "shift.hpp"
+#include "strain.hpp"
 
 // Keeps the way of a chain through the material open. An EOL vertex may move per step by a share of its height over the
 // triangles ahead, and they shrink as it moves: whatever comes near is absorbed.
@@ -49,10 +50,11 @@ constexpr int least_budget = 50;
 
 // How much the surface may change.
 struct Permission {
-  double turn;   // of a face normal, or across a flipped edge [rad]
-  double shift;  // of the surface in the world [m]
-  double angle;  // that a triangle may have, or it had less before [rad]
-  bool cut;      // a feature may be cut
+  double turn;    // of a face normal, or across a flipped edge [rad]
+  double shift;   // of the surface in the world [m]
+  double angle;   // that a triangle may have, or it had less before [rad]
+  double strain;  // that the patch may gain, see strain.hpp [1]
+  bool cut;       // a feature may be cut
 };
 
 class Merger {
@@ -67,9 +69,10 @@ class Merger {
     double t = 0;
     double altitude = 0;  // smallest that it leaves [m]
     double shift = 0;     // of the surface [m]
+    double strain = 0;    // that the patch gains, if above needed_strain, else 0 [1]
     bool is_better_than(const Way& other) const {
-      return altitude > 0 &&
-             (other.altitude == 0 || shift < other.shift || (shift == other.shift && altitude > other.altitude));
+      return altitude > 0 && (other.altitude == 0 ||
+                              std::tie(strain, shift, other.altitude) < std::tie(other.strain, other.shift, altitude));
     }
   };
   const Cloth& cloth() const { return c_.cloth(); }
@@ -109,8 +112,9 @@ double Merger::clearance(int v) const {
 }
 
 Permission Merger::permission(double room) const {
-  if (room < need_) return {1.2, c_.merge(0.5), 0, room < c_.merge(last_share)};
-  return {0.35, good_shift_share * c_.options.snap, least_angle, false};
+  if (room < c_.merge(last_share)) return {1.2, c_.merge(0.5), 0, HUGE_VAL, true};
+  if (room < need_) return {1.2, c_.merge(0.5), 0, needed_strain, false};
+  return {0.35, good_shift_share * c_.options.snap, least_angle, needed_strain, false};
 }
 
 // Height of corner v over the opposite side of a face.
@@ -142,6 +146,7 @@ bool Merger::shorten_chain(int v) {
     const Permission allowed = permission(c_.merge(forced_share));
     if (!ring.sound || ring.turn > allowed.turn) return;
     if (shift_after(cloth(), gone, at_vertex(mesh(), into), ring) > allowed.shift) return;
+    if (strain_gained(cloth(), gone, at_vertex(mesh(), into)) > needed_strain) return;
     if (!best || ring.altitude > best->altitude) best = Merge{gone, into, ring.altitude};
   };
   for (const int q : mesh().neighbours(v)) {
@@ -265,7 +270,11 @@ void Merger::judge(Way& way, int r, const Target& target, const Permission& allo
   if (ring.altitude < std::min(clear_ * thin_share, ring.altitude_before)) return;
   way.shift = shift_after(cloth(), r, target, ring);
   if (!allowed.cut && way.shift > good_shift_share * c_.options.snap && cuts_feature(r, target)) return;
-  if (way.shift <= allowed.shift) way.altitude = ring.altitude;
+  if (way.shift > allowed.shift) return;
+  const double strain = strain_gained(cloth(), r, target);
+  if (strain > allowed.strain) return;
+  if (strain > needed_strain) way.strain = strain;
+  way.altitude = ring.altitude;
 }
 
 Merger::Way Merger::best_vertex(int r, const Permission& allowed) const {
@@ -325,6 +334,7 @@ bool Merger::open_faces(int v) {
     const double shift = flip_shift(mesh(), longest);
     const bool is_unseen_need = room < need_ && shift <= good_shift_share * c_.options.snap;
     if (shift > allowed.shift || (check.dihedral > allowed.turn && !is_unseen_need)) continue;
+    if (strain_gained_by_flip(mesh(), longest) > allowed.strain) continue;
     if (!allowed.cut &&
         cuts_feature(mesh().x[mesh().opposite(longest)], mesh().x[mesh().opposite(mesh().twin(longest))]))
       continue;
