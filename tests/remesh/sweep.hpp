@@ -288,6 +288,22 @@ class Sweep {
     return true;
   }
 
+  // Whether a vertex that a link from p to q would take in stands off the feature: what is beside the way by less than
+  // a tenth of `merge` is met, and stands off by that too, on either side of the edge.
+  bool passes_what_stands_off(int p, int q, const PosedObstacle& obstacle, const SharpEdge& edge) const {
+    const Vec2 P = cloth_.mesh.X[p], d = cloth_.mesh.X[q] - P;
+    for (int v = 0; v < cloth_.mesh.n_vertices(); ++v) {
+      const Vec2 e = cloth_.mesh.X[v] - P;
+      const double along = e.dot(d) / d.squaredNorm();
+      if (along <= 0 || along >= 1 || std::abs(e.x() * d.y() - e.y() * d.x()) > 0.1 * conforming_.merge * d.norm())
+        continue;
+      const Vec3 away = cloth_.mesh.x[v] - obstacle.pose.to_world(edge.a);
+      for (const Vec3& n : edge.normals)
+        if ((obstacle.pose.rotation * n).dot(away) > 0.4e-3) return true;
+    }
+    return false;
+  }
+
   void add_gaps(const std::vector<PosedObstacle>& posed, std::vector<Vec2>& open) const {
     const testing::Surface surface(cloth_.mesh);
     for (int o = 0; o < static_cast<int>(posed.size()); ++o) {
@@ -304,7 +320,8 @@ class Sweep {
         for (std::size_t i = 0; i + 1 < order.size(); ++i) {
           const int p = order[i].second, q = order[i + 1].second, h = cloth_.mesh.find_edge(p, q);
           if ((h == Mesh::none || cloth_.mesh.tag(h) != edge_tag(o, e)) &&
-              touches(surface, p, q, a, t, shape.edges[e].free_cone))
+              touches(surface, p, q, a, t, shape.edges[e].free_cone) &&
+              !passes_what_stands_off(p, q, posed[o], shape.edges[e]))
             open.push_back(0.5 * (cloth_.mesh.X[p] + cloth_.mesh.X[q]));
         }
       }

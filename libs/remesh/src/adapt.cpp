@@ -156,8 +156,8 @@ void Adapter::push_splits(CandidateQueue& queue, const std::vector<int>& halfedg
 }
 
 void Adapter::push_collapse(CandidateQueue& queue, const Candidate& edge) const {
-  if (leaves_short_edges(edge.a, edge.b, collapse_below) || leaves_short_edges(edge.b, edge.a, collapse_below))
-    queue.push(edge);
+  const double longest = longest_left(edge.a, edge.b);
+  if (leaves_short_edges(edge.a, edge.b, longest) || leaves_short_edges(edge.b, edge.a, longest)) queue.push(edge);
 }
 
 // Whether the other diagonal of the quadrilateral round edge h would be the better one.
@@ -248,7 +248,7 @@ void Adapter::split(int h, CandidateQueue& queue) {
 // and allocates nothing.
 bool Adapter::leaves_short_edges(int p, int q, double longest) const {
   const auto fits = [&](int v) {
-    return v == q || (squared_length(v, q) <= longest * longest && (longest == collapse_below || is_idle(v)));
+    return v == q || (squared_length(v, q) <= longest * longest && (longest < collapse_short_below || is_idle(v)));
   };
   return mesh().all_outgoing(
       p, [&](int h) { return fits(mesh().to(h)) && (!mesh().is_border(Mesh::prev(h)) || fits(mesh().opposite(h))); });
@@ -272,7 +272,7 @@ void Adapter::collapse_short_edges() {
     queue.pop();
     for (const auto& [from, to] : {std::pair{top.a, top.b}, std::pair{top.b, top.a}}) {
       if (operations() != n_seen_ && mesh().find_edge(from, to) == Mesh::none) break;
-      const std::optional<double> moved = should_collapse(from, to, collapse_below);
+      const std::optional<double> moved = should_collapse(from, to, longest_left(from, to));
       if (!moved) continue;
       if (!may_go_on(from)) return;
       collapse(from, to, *moved, queue);

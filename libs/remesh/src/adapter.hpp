@@ -51,6 +51,9 @@ class Adapter {
     return sizes_[v].radius == coarsest_ && sizes_[v].centre.isZero(0) && !cloth().is_eol(v);
   }
   bool leaves_short_edges(int p, int q, double longest) const;
+  double longest_left(int p, int q) const {
+    return cloth().is_eol(p) && cloth().is_eol(q) ? chain_collapse_below : collapse_below;
+  }
   std::optional<double> should_collapse(int p, int q, double longest);
   void collapse(int p, int q, double moved, CandidateQueue& queue);
 

@@ -15,6 +15,8 @@ inline constexpr double split_above = 1.0;
 /// A collapse may not make an edge longer than this: its distance to split_above is the hysteresis. One that removes an
 /// edge below short_below may, by all but a hundredth: nothing else would bring the lengths to between 1/2 and 1.
 inline constexpr double collapse_below = 0.85, collapse_short_below = 1;
+/// Along a chain: its vertices come where mesh edges crossed a feature, twice as close as they need be, and cost more.
+inline constexpr double chain_collapse_below = 0.92;
 /// Edges longer than this are not tried: removing one of their ends leaves edges longer than collapse_below.
 inline constexpr double collapse_candidate = 0.6;
 
