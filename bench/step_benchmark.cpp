@@ -3,13 +3,14 @@
 // What a step costs, stage by stage, against one factorisation and one solve of its own matrix: of every step of a
 // scene's run, in the same process and on one thread, so that the machine's drift hits both. Processor time of the
 // thread; medians. Ipopt solves one program in fifty for comparison, unless told not to: on large meshes it takes
-// minutes. On request gusts blow on the sheet, which a scene has no word for.
+// minutes. On request gusts blow on the sheet, which a scene has no word for, and the mesh stays from some step on.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <random>
@@ -49,7 +50,7 @@ struct StepTimes {
   double rest = 0;                         ///< of the whole: assembly, integration, a second look for contacts, output
   double own = 0, cholmod = 0, aside = 0;  ///< factor and solve, and all that is measured beside the step
   int programs = 0;
-  bool changed = false;  ///< the mesh or the EOL set
+  bool changed = false;  ///< the pattern of the matrix: remeshed, or EOL vertices have come or gone
 };
 
 /// Impulses of a wind on a sheet within a step of length h, in the unknowns of `dofs`: (f, -F^T f), as all forces of a
@@ -76,6 +77,7 @@ VecX wind_impulse(const Cloth& cloth, const DofMap& dofs, double density, double
 
 struct Wishes {
   bool ask_ipopt = true, wind = false;
+  std::size_t remeshed = std::numeric_limits<std::size_t>::max();  ///< steps after which nothing is remeshed any more
 };
 
 class Measurement {
@@ -90,8 +92,9 @@ class Measurement {
   void factor_and_solve(const QpProblem& problem);
 
   Wishes wishes_;
-  double time_ = 0;  ///< at the beginning of the step [s]
-  VecX gust_;        ///< impulse of the wind in it
+  double time_ = 0;   ///< at the beginning of the step [s]
+  VecX gust_;         ///< impulse of the wind in it
+  BlockGraph graph_;  ///< of the last program
   StepTimes now_;
   double last_ = seconds_of(CLOCK_THREAD_CPUTIME_ID);
   double worst_residual_ = 0;
@@ -105,13 +108,15 @@ class Measurement {
 /// The floor: numbers only, the analysis is not counted. Held unknowns do not change the pattern, so none are held; the
 /// lift makes the undecided unknowns of flat cloth regular.
 void Measurement::factor_and_solve(const QpProblem& problem) {
-  const BlockGraph graph = graph_of(problem.H, problem.blocks);
+  BlockGraph graph = graph_of(problem.H, problem.blocks);
+  now_.changed |= graph.starts != graph_.starts || graph.inner != graph_.inner || graph.outer != graph_.outer;
   const double lift = 1e-6 * problem.H.diagonal().maxCoeff();
   const MatX b = problem.f;
   for (const auto& [factor, seconds] : {std::pair{own_.get(), &now_.own}, std::pair{cholmod_.get(), &now_.cholmod}}) {
     if (!factor->analyze(graph)) std::exit((std::fprintf(stderr, "step_benchmark: analysis failed\n"), 1));
     timed(*seconds, [&] { return factor->factorize(problem.H, {}, lift) && factor->solve(b).allFinite(); });
   }
+  graph_ = std::move(graph);
 }
 
 QpResult Measurement::measure_program(const QpProblem& problem, std::span<const char> guess, const Stages& stages) {
@@ -138,11 +143,9 @@ Stages Measurement::wrap(const Scene& scene, const ClothSpec& spec) {
       return timed(now_.detect, [&] { return plain.detect(given...); });
     };
   if (plain.remesh)
-    stages.remesh = [this, plain](const auto&... given) {
-      RemeshResult result = timed(now_.remesh, [&] { return plain.remesh(given...); });
-      const RemeshReport& report = result.report;
-      now_.changed |= report.splits + report.flips + report.collapses + report.inserted + report.released > 0;
-      return result;
+    stages.remesh = [this, plain](const Cloth& cloth, const auto&... given) {
+      if (steps_.size() >= wishes_.remeshed) return RemeshResult{cloth, {}};
+      return timed(now_.remesh, [&] { return plain.remesh(cloth, given...); });
     };
   if (plain.foresee)
     stages.foresee = [this, plain](const auto&... given) {
@@ -233,7 +236,11 @@ void measure(const std::string& file, double until, const Changes& changes, cons
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: step_benchmark SECONDS SCENE.json.. [--set KEY=VALUE].. [--no-ipopt] [--wind]\n");
+    std::fprintf(
+        stderr,
+        "usage: step_benchmark SECONDS SCENE.json.. [--set KEY=VALUE].. [--no-ipopt] [--wind] [--still STEPS]\n"
+        "  --wind         gusts of twice the sheet's weight\n"
+        "  --still STEPS  no remeshing after so many steps\n");
     return 2;
   }
   std::vector<std::string> scenes;
@@ -248,6 +255,8 @@ int main(int argc, char** argv) {
       wishes.ask_ipopt = false;
     } else if (word == "--wind") {
       wishes.wind = true;
+    } else if (word == "--still" && i + 1 < argc) {
+      wishes.remeshed = std::strtoul(argv[++i], nullptr, 10);
     } else {
       scenes.push_back(word);
     }

@@ -22,6 +22,9 @@ constexpr int max_proximal_steps = 40;
 constexpr double slow_ratio = 0.5, most_strides = 1e6;
 /// Residual a proximal step aims at; below it there is only rounding to gain.
 constexpr double residual_goal = 1e-12;
+/// Residual of a first point, where there is neither softness nor lift, with which it need not be refined. Stiff cloth
+/// leaves some 1e-12, whether refined or not.
+constexpr double good_residual = 1e-11;
 
 class Strides {
  public:
@@ -92,7 +95,6 @@ QpResult ActiveSetSolver::fall_back(const QpProblem& problem, const QpOptions& o
 ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, const QpOptions& options,
                                                   std::span<const char> guess, double epsilon, QpResult& result) {
   const ReducedQp& qp = reduction_.reduced();
-  const bool proximal = epsilon > 0 || qp.n_rows() > 0;
   kkt_.reset(qp, epsilon);
   WorkingSet set = reduction_.start(guess);
   WorkingSetSearch search(qp, kkt_, options.max_iterations);
@@ -107,19 +109,21 @@ ActiveSetSolver::Attempt ActiveSetSolver::attempt(const QpProblem& problem, cons
     return Attempt::Decided;
   };
   using Precision = WorkingSetSearch::Precision;
-  SearchStatus status = SearchStatus::Optimal;
-  // What softness or lift leave in the first point is more than rounding, so it is neither refined nor judged.
-  if (proximal) status = search.run(Precision::Plain, set);
-  for (int step = 0; step < max_proximal_steps && status != SearchStatus::Singular; ++step) {
-    status = search.run(Precision::Refined, set);
+  // The first point is refined only if it has to be: what softness or lift leave in it is more than rounding.
+  SearchStatus status = search.run(Precision::Plain, set);
+  const auto is_proximal = [&] { return epsilon > 0 || kkt_.is_soft(); };
+  for (int step = is_proximal() ? 1 : 0; step <= max_proximal_steps && status != SearchStatus::Singular; ++step) {
+    if (step > 0) status = search.run(Precision::Refined, set);
     if (status == SearchStatus::Singular) break;
     QpResult now = read_out(problem, set, search.point(), search.gradient());
-    const bool settled = !proximal || !(now.kkt_residual < 0.5 * best.kkt_residual);
+    const bool exact = step > 0 && !is_proximal();
+    const bool settled = exact || !(now.kkt_residual < 0.5 * best.kkt_residual);
     if (now.kkt_residual < best.kkt_residual || best.q.size() == 0) best = now;
-    if (best.kkt_residual <= residual_goal || (settled && best.kkt_residual <= options.tolerance))
+    const double goal = is_proximal() ? residual_goal : good_residual;
+    if (best.kkt_residual <= goal || (settled && best.kkt_residual <= options.tolerance))
       return finish(best, QpStatus::Solved, "");
-    if (!proximal || status == SearchStatus::IterationLimit) break;
-    if (step > 0) {
+    if (exact || status == SearchStatus::IterationLimit) break;
+    if (step > 1) {
       if (proves_infeasible(problem, now.lambda_eq - former.lambda_eq, now.lambda_in - former.lambda_in, now.q))
         return finish({}, QpStatus::Infeasible, "the constraints contradict each other");
       if (epsilon > 0 && proves_unbounded(problem, now.q - former.q))

@@ -13,6 +13,9 @@ constexpr double singular_rcond = 1e-14;
 /// Softness of a row relative to the compliance it meets. Small against the angle squared of nearly dependent rows,
 /// large against rounding in the border.
 constexpr double row_softness = 1e-11;
+/// Share of its compliance that the others have to leave to each row and coordinate of the border, if rows are to be
+/// met without softness: far above rounding, the rest of which a refinement takes off.
+constexpr double independent_share = 1e-8;
 /// Coordinates whose state may differ from the factorised one before a new factorisation is the cheaper way, as a share
 /// of the half-solves that have its flops. Half-solves are the slower kind of flop, and the border grows with the
 /// square (measured on cloth-like problems of 1600 vertices: flat from 0.5 to 1.5).
@@ -31,6 +34,7 @@ bool KktSystem::analyze(const BlockPattern& pattern) {
 void KktSystem::reset(const ReducedQp& qp, double epsilon) {
   qp_ = &qp;
   epsilon_ = epsilon;
+  soft_ = false;
   delta_ = VecX::Zero(qp_->n_rows());
   factorized_ = false;
   border_set_ = {};
@@ -55,10 +59,18 @@ bool KktSystem::refresh(const WorkingSet& set) {
   return ready;
 }
 
-/// A row has its softness from the compliance it met when it was first on. Coordinates that have been let go since may
-/// have left it so compliant that this is less than rounding. @return whether any row is softer now
+void KktSystem::give_softness() {
+  soft_ = true;
+  for (int w = 0; w < qp_->n_rows(); ++w)
+    if (const int slot = slot_of_[qp_->size() + w]; slot >= 0 && delta_[w] == 0)
+      delta_[w] = row_softness * std::max(1.0, gram_(slot, slot));
+}
+
+/// A row has its softness from the compliance it met when that was first wanted. Coordinates that have been let go
+/// since may have left it so compliant that this is less than rounding. @return whether any row is softer now
 bool KktSystem::soften() {
   bool softer = false;
+  soft_ = true;
   for (const int item : tied_) {
     if (item < qp_->size()) continue;
     double& delta = delta_[item - qp_->size()];
@@ -111,9 +123,7 @@ bool KktSystem::add_columns(const WorkingSet& set) {
     gram_.block(0, n_slots_, n_slots_, n_new) = gram_.block(n_slots_, 0, n_new, n_slots_).transpose();
   }
   n_slots_ = n_all;
-  for (const int item : fresh)
-    if (item >= n && delta_[item - n] == 0)
-      delta_[item - n] = row_softness * std::max(1.0, gram_(slot_of_[item], slot_of_[item]));
+  if (soft_) give_softness();
   return gram_.block(0, n_all - n_new, n_all, n_new).allFinite();
 }
 
@@ -159,8 +169,6 @@ bool KktSystem::factorize_border() {
   }
   for (int j = 0; j < n_tied; ++j)
     for (int i = 0; i < n_tied; ++i) N(i, j) = gram(tied_[i], tied_[j]);
-  for (int i = 0; i < n_tied; ++i)
-    if (tied_[i] >= qp_->size()) N(i, i) += delta_[tied_[i] - qp_->size()];
   if (n_freed > 0) {
     freed_llt_.compute(S);
     if (freed_llt_.info() != Eigen::Success) return false;
@@ -172,8 +180,22 @@ bool KktSystem::factorize_border() {
     const MatX coupled = freed_llt_.matrixL().solve(coupling_.transpose());
     N.noalias() += coupled.transpose() * coupled;
   }
+  if (!soft_ && tied_.back() >= qp_->size()) {
+    tied_ldlt_.compute(N);
+    if (are_independent(N)) return true;
+    give_softness();
+  }
+  for (int i = 0; i < n_tied; ++i)
+    if (tied_[i] >= qp_->size()) N(i, i) += delta_[tied_[i] - qp_->size()];
   tied_ldlt_.compute(N);
   return tied_ldlt_.info() == Eigen::Success && tied_ldlt_.vectorD().minCoeff() > 0;
+}
+
+/// By the pivots of N, each of which is what those before it have left of a compliance.
+bool KktSystem::are_independent(const MatX& N) const {
+  const VecX compliance = tied_ldlt_.transpositionsP() * N.diagonal();
+  const VecX needed = independent_share * compliance.cwiseMax(1.0);
+  return tied_ldlt_.info() == Eigen::Success && (tied_ldlt_.vectorD().array() >= needed.array()).all();
 }
 
 bool KktSystem::solve(const WorkingSet& set, const VecX& f, const VecX& value, const VecX& rhs, ReducedPoint& point) {

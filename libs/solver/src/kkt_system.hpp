@@ -18,7 +18,8 @@ namespace crease {
 /// analysis stay). Rows, and coordinates whose state has changed since that factorisation, form a dense border:
 ///   [ K  C ] [u]   [r]     K  masked H,  C = one column a border item,
 ///   [ C' D ] [z] = [s]     T = D - C' K^-1 C  from forward half-solves Y = L^-1 C, kept until the next factorisation.
-/// delta > 0 keeps T regular when rows depend on one another; the caller removes its effect by iterating.
+/// Rows are met as they are, delta = 0, until some turn out to depend on one another: from then on delta > 0 keeps T
+/// regular, and the caller removes its effect by iterating.
 class KktSystem {
  public:
   explicit KktSystem(int threads) : cholesky_(make_block_cholesky({.threads = threads})) {}
@@ -34,12 +35,16 @@ class KktSystem {
   double epsilon() const { return epsilon_; }
   /// Softness of a row; 0 for one that has never been on.
   double delta(int row) const { return delta_[row]; }
+  /// Whether rows have softness since the last reset().
+  bool is_soft() const { return soft_; }
 
  private:
   bool refresh(const WorkingSet& set);
   bool factorize(const WorkingSet& set);
   bool add_columns(const WorkingSet& set);
   bool factorize_border();
+  bool are_independent(const MatX& N) const;
+  void give_softness();
   bool soften();
   int n_changed(const WorkingSet& set) const;
   void fill_column(int item, Eigen::Ref<VecX> column) const;
@@ -48,6 +53,7 @@ class KktSystem {
 
   const ReducedQp* qp_ = nullptr;
   double epsilon_ = 0;
+  bool soft_ = false;
   VecX delta_;
   std::unique_ptr<BlockCholesky> cholesky_;
   bool factorized_ = false;
