@@ -189,11 +189,10 @@ TEST(ActiveSetQp, SolvesWithoutConstraintsAndWithoutUnknowns) {
   EXPECT_EQ(solve(empty).status, QpStatus::Solved);
 }
 
-/// One iteration finds the set right, and where rows are general a proximal step removes their softness. A third is
-/// taken where stiffness (up to 1e6 of the mass here) leaves the residual a little above what a step aims at: 5 of 600
-/// seeds with our factorisation, 3 of 600 with CHOLMOD's.
-TEST(ActiveSetQp, SeldomNeedsMoreThanTwoIterationsFromTheRightGuess) {
-  int thirds = 0;
+/// One iteration finds the set right and is exact, as rows are not softened unless they depend on one another. More are
+/// taken where stiffness (up to 1e6 of the mass here) leaves the residual above what needs no refinement.
+TEST(ActiveSetQp, SeldomNeedsMoreThanOneIterationFromTheRightGuess) {
+  int more = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
@@ -204,9 +203,9 @@ TEST(ActiveSetQp, SeldomNeedsMoreThanTwoIterationsFromTheRightGuess) {
     const QpResult warm = solve(problem, cold.active);
     ASSERT_EQ(warm.status, QpStatus::Solved);
     EXPECT_LE(warm.iterations, 3);
-    thirds += warm.iterations == 3;
+    more += warm.iterations > 1;
   }
-  EXPECT_LE(thirds, 4);
+  EXPECT_LE(more, 3);
 }
 
 TEST(ActiveSetQp, MarksTheRowsThatPush) {

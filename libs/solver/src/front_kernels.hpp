@@ -60,6 +60,14 @@ struct FrontKernels {
   /// forward() of 8 right-hand sides a panel, but with *minus* the product: row i of panel k stands at Y[k] + 8 i, and
   /// so in product[k]. The panels of Y are evenly spaced.
   void (*forward_batch)(FrontShape shape, const double* L, int n_panels, double* const* Y, double* const* product);
+
+  // Of panels of 8 right-hand sides, `n` rows of each:
+  /// C = -A^T B, 8 x 8, column after column
+  void (*product)(int n, const double* A, const double* B, double* C);
+  /// out = A^T y, 8 numbers
+  void (*times)(const double* A, int n, const double* y, double* out);
+  /// x <- x - sum of A[p] z[p]
+  void (*subtract_rows)(int n_panels, const double* const* A, const double* const* z, int n, double* x);
 };
 
 const FrontKernels& generic_front_kernels();

@@ -263,8 +263,24 @@ void forward_batch(FrontShape shape, const double* L, int n_panels, double* cons
   }
 }
 
+void product(int n, const double* A, const double* B, double* C) {
+  multiply_tile<1, Start::Zero>(&C, A, 0, B, n);
+}
+
+void subtract_rows(int n_panels, const double* const* A, const double* const* z, int n, double* x) {
+  for (int i = 0; i < n; ++i) {
+    Vector sum[parts] = {};
+    for (int p = 0; p < n_panels; ++p)
+      for (int v = 0; v < parts; ++v) sum[v] += at(A[p] + 8 * i + v * lanes) * at(z[p] + v * lanes);
+    for (int v = 0; v < parts; ++v)
+      for (int u = 0; u < lanes; ++u) x[i] -= sum[v][u];
+  }
+}
+
 constexpr FrontKernels make_kernels(const char* name) {
-  return {name, factorize, add_child<Part::Pivots>, add_child<Part::Update>, forward, backward, forward_batch};
+  return {name,        factorize,    add_child<Part::Pivots>, add_child<Part::Update>,
+          forward,     backward,     forward_batch,           product,
+          panel_times, subtract_rows};
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ constexpr int least_changed = 8;
 
 bool KktSystem::analyze(const BlockPattern& pattern) {
   if (analyzed_revision_ == pattern.revision()) return true;
-  const bool done = cholesky_->analyze(pattern.graph());
+  const bool done = cholesky_.analyze(pattern.graph(), {});
   analyzed_revision_ = done ? pattern.revision() : 0;
   return done;
 }
@@ -49,8 +49,8 @@ int KktSystem::n_changed(const WorkingSet& set) const {
 bool KktSystem::refresh(const WorkingSet& set) {
   if (factorized_ && set.held == border_set_.held && set.on == border_set_.on) return true;
   border_set_ = {};
-  const int most = std::max(least_changed, static_cast<int>(changed_share * cholesky_->cost().ratio()));
-  const bool keep = factorized_ && n_changed(set) <= most && n_slots_ <= 4 * most + qp_->n_rows();
+  const int most = std::max(least_changed, static_cast<int>(changed_share * cholesky_.cost().ratio()));
+  const bool keep = factorized_ && n_changed(set) <= most && Y_.n_columns() <= 4 * most + qp_->n_rows();
   // A border that cannot be factorised may be the fault of the base it stands on, so the set gets a base of its own.
   bool ready = keep && add_columns(set) && factorize_border();
   if (!ready) ready = factorize(set) && add_columns(set) && factorize_border();
@@ -85,8 +85,8 @@ bool KktSystem::soften() {
 bool KktSystem::factorize(const WorkingSet& set) {
   base_ = set.held;
   slot_of_.assign(static_cast<size_t>(qp_->size()) + static_cast<size_t>(qp_->n_rows()), -1);
-  n_slots_ = 0;
-  factorized_ = cholesky_->factorize(qp_->H, base_, epsilon_) && cholesky_->rcond() > singular_rcond;
+  factorized_ = cholesky_.factorize(qp_->H, base_, epsilon_) && cholesky_.rcond() > singular_rcond;
+  Y_.clear(cholesky_.n_free());
   return factorized_;
 }
 
@@ -102,44 +102,58 @@ bool KktSystem::add_columns(const WorkingSet& set) {
   std::vector<int> fresh;
   for (const auto* items : {&tied_, &freed_})
     for (const int item : *items)
-      if (slot_of_[item] < 0) slot_of_[item] = n_slots_ + static_cast<int>(fresh.size()), fresh.push_back(item);
+      if (slot_of_[item] < 0) fresh.push_back(item);
   if (fresh.empty()) return true;
-  const int n_new = static_cast<int>(fresh.size()), n_all = n_slots_ + n_new;
-  if (Y_.rows() != n || Y_.cols() < n_all) {
-    const int capacity = std::max(n_all + n_all / 2, 32);
-    Y_.conservativeResize(n, capacity);
-    gram_.conservativeResize(capacity, capacity);
-  }
-  MatX C(n, n_new);
-  for (int k = 0; k < n_new; ++k) fill_column(fresh[k], C.col(k));
-  Y_.middleCols(n_slots_, n_new) = cholesky_->forward(C);
-  const auto fresh_Y = Y_.middleCols(n_slots_, n_new);
-  auto own = gram_.block(n_slots_, n_slots_, n_new, n_new);
-  own.setZero();
-  own.selfadjointView<Eigen::Lower>().rankUpdate(fresh_Y.transpose());
-  own.triangularView<Eigen::StrictlyUpper>() = own.transpose();
-  if (n_slots_ > 0) {
-    gram_.block(n_slots_, 0, n_new, n_slots_).noalias() = fresh_Y.transpose() * Y_.leftCols(n_slots_);
-    gram_.block(0, n_slots_, n_slots_, n_new) = gram_.block(n_slots_, 0, n_new, n_slots_).transpose();
-  }
-  n_slots_ = n_all;
+  const int first = Y_.n_columns();
+  cholesky_.forward(place_columns(fresh), Y_);
+  const int n_new = Y_.n_columns() - first;
+  if (gram_.rows() < Y_.n_columns()) gram_.conservativeResize(2 * Y_.n_columns(), 2 * Y_.n_columns());
+  Y_.fill_gram(first, gram_);
   if (soft_) give_softness();
-  return gram_.block(0, n_all - n_new, n_all, n_new).allFinite();
+  return gram_.block(0, first, first + n_new, n_new).allFinite();
+}
+
+/// Gives the items their slots, in order of elimination, so that columns of one batch go through the same fronts.
+SparseMatrix KktSystem::place_columns(const std::vector<int>& items) {
+  struct Column {
+    int first, item;
+    Entries entries;
+  };
+  std::vector<Column> columns;
+  Eigen::Index n_entries = 0;
+  for (const int item : items) {
+    columns.push_back({qp_->size(), item, column_of(item)});
+    for (const auto& [row, value] : columns.back().entries)
+      columns.back().first = std::min(columns.back().first, cholesky_.place(row));
+    n_entries += static_cast<Eigen::Index>(columns.back().entries.size());
+  }
+  std::sort(columns.begin(), columns.end(),
+            [](const Column& a, const Column& b) { return std::pair(a.first, a.item) < std::pair(b.first, b.item); });
+  SparseMatrix C(qp_->size(), static_cast<Eigen::Index>(columns.size()));
+  C.reserve(n_entries);
+  for (int k = 0; k < static_cast<int>(columns.size()); ++k) {
+    slot_of_[columns[k].item] = Y_.n_columns() + k;
+    C.startVec(k);
+    for (const auto& [row, value] : columns[k].entries) C.insertBack(row, k) = value;
+  }
+  C.finalize();
+  return C;
 }
 
 /// The item's column of C: its coupling with the coordinates that were free when K was factorised.
-void KktSystem::fill_column(int item, Eigen::Ref<VecX> column) const {
+KktSystem::Entries KktSystem::column_of(int item) const {
   const int n = qp_->size();
-  column.setZero();
+  Entries column;
   if (item >= n) {
     for (SparseRows::InnerIterator a(qp_->rows, item - n); a; ++a)
-      if (!base_[a.col()]) column[a.col()] = a.value();
+      if (!base_[a.col()]) column.emplace_back(static_cast<int>(a.col()), a.value());
   } else if (!base_[item]) {
-    column[item] = 1;
+    column.emplace_back(item, 1.0);
   } else {
     for (SparseMatrix::InnerIterator h(qp_->H, item); h; ++h)
-      if (!base_[h.row()]) column[h.row()] = h.value();
+      if (!base_[h.row()]) column.emplace_back(static_cast<int>(h.row()), h.value());
   }
+  return column;
 }
 
 double KktSystem::at(int row, int column) const {
@@ -215,9 +229,8 @@ bool KktSystem::solve(const WorkingSet& set, const VecX& f, const VecX& value, c
     if (base_[i]) r[i] = 0;
   // Of a correction after a change of the working set often nothing is left here: the border has it all.
   const bool pushed = (r.array() != 0).any();
-  const VecX y = pushed ? VecX(cholesky_->forward(r)) : VecX::Zero(n);
-  VecX reached = VecX::Zero(n_slots_);  // C^T K^-1 r
-  if (n_slots_ > 0 && pushed) reached = Y_.leftCols(n_slots_).transpose() * y;
+  const VecX y = pushed ? VecX(cholesky_.forward(r)) : VecX::Zero(n);
+  const VecX reached = pushed ? Y_.transposed_product(y) : VecX::Zero(Y_.n_columns());  // C^T K^-1 r
   const VecX row_held = qp_->rows * held;
   VecX s_tied(n_tied), s_freed(n_freed);
   for (int i = 0; i < n_tied; ++i) {
@@ -226,7 +239,7 @@ bool KktSystem::solve(const WorkingSet& set, const VecX& f, const VecX& value, c
   }
   for (int i = 0; i < n_freed; ++i) s_freed[i] = push[freed_[i]] - reached[slot_of_[freed_[i]]];
   // z: minus the multipliers of tied items, displacements of freed ones.
-  VecX z_tied(n_tied), z_freed(n_freed), z = VecX::Zero(n_slots_);
+  VecX z_tied(n_tied), z_freed(n_freed), z = VecX::Zero(Y_.n_columns());
   if (n_tied > 0) {
     VecX b = -s_tied;
     if (n_freed > 0) b += coupling_ * freed_llt_.solve(s_freed);
@@ -240,8 +253,8 @@ bool KktSystem::solve(const WorkingSet& set, const VecX& f, const VecX& value, c
   for (int i = 0; i < n_tied; ++i) z[slot_of_[tied_[i]]] = z_tied[i];
   for (int i = 0; i < n_freed; ++i) z[slot_of_[freed_[i]]] = z_freed[i];
   VecX x = y;
-  if (n_slots_ > 0) x -= Y_.leftCols(n_slots_) * z;
-  point.u = cholesky_->backward(x);
+  Y_.subtract_product(z, x);
+  point.u = cholesky_.backward(x);
   for (int i = 0; i < n; ++i)
     if (set.held[i]) point.u[i] = value[i];
   for (int i = 0; i < n_freed; ++i) point.u[freed_[i]] = z_freed[i];

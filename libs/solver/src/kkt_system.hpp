@@ -2,10 +2,11 @@
 #pragma once
 
 #include <Eigen/Cholesky>
-#include <memory>
+#include <utility>
 #include <vector>
 
-#include "crease/solver/block_cholesky.hpp"
+#include "find_kernels.hpp"
+#include "multifrontal.hpp"
 #include "reduction.hpp"
 
 namespace crease {
@@ -22,7 +23,7 @@ namespace crease {
 /// regular, and the caller removes its effect by iterating.
 class KktSystem {
  public:
-  explicit KktSystem(int threads) : cholesky_(make_block_cholesky({.threads = threads})) {}
+  explicit KktSystem(int threads) : cholesky_(kernels(), threads), Y_(kernels()) {}
   /// Does nothing if `pattern` is the one analysed last. @return false if the analysis failed
   bool analyze(const BlockPattern& pattern);
   /// Call whenever a value has changed; `qp` has to stay until the next call.
@@ -39,6 +40,7 @@ class KktSystem {
   bool is_soft() const { return soft_; }
 
  private:
+  static const FrontKernels& kernels() { return find_front_kernels(FrontKernelSet::Best); }
   bool refresh(const WorkingSet& set);
   bool factorize(const WorkingSet& set);
   bool add_columns(const WorkingSet& set);
@@ -47,7 +49,9 @@ class KktSystem {
   void give_softness();
   bool soften();
   int n_changed(const WorkingSet& set) const;
-  void fill_column(int item, Eigen::Ref<VecX> column) const;
+  using Entries = std::vector<std::pair<int, double>>;
+  Entries column_of(int item) const;
+  SparseMatrix place_columns(const std::vector<int>& items);
   double border_entry(int item_a, int item_b) const;
   double at(int row, int column) const;
 
@@ -55,15 +59,15 @@ class KktSystem {
   double epsilon_ = 0;
   bool soft_ = false;
   VecX delta_;
-  std::unique_ptr<BlockCholesky> cholesky_;
+  Multifrontal cholesky_;
   bool factorized_ = false;
   int analyzed_revision_ = 0;
   std::vector<char> base_;  ///< held at the last factorisation
 
   // Border items are numbered like unknowns: coordinate i, then n + row.
   std::vector<int> slot_of_;  ///< an item's column of Y_, -1 = none yet
-  int n_slots_ = 0;
-  MatX Y_, gram_;           ///< gram = Y^T Y
+  HalfSolves Y_;
+  MatX gram_;               ///< Y^T Y
   WorkingSet border_set_;   ///< the set the border below belongs to
   std::vector<int> tied_;   ///< items with a multiplier: newly held coordinates and rows
   std::vector<int> freed_;  ///< items with a displacement

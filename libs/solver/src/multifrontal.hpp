@@ -8,6 +8,7 @@
 #include "aligned_buffer.hpp"
 #include "crease/solver/block_cholesky.hpp"
 #include "front_kernels.hpp"
+#include "half_solves.hpp"
 #include "supernode_tree.hpp"
 
 namespace crease {
@@ -31,6 +32,14 @@ class Multifrontal final : public BlockCholesky {
   FactorCost cost() const override { return cost_; }
   MatX forward(const MatX& B) const override;
   MatX backward(const MatX& B) const override;
+
+  /// Unknowns that are not held by the last factorisation: the first rows between the halves of a solve.
+  int n_free() const { return free_at_.back(); }
+  /// Its row there.
+  int place(int unknown) const { return place_[unknown]; }
+  /// Adds L^-1 P C to `Y`, which has n_free() rows. Columns of neighbours in a row are the cheaper.
+  /// @pre no entry of C stands in the row of a held unknown
+  void forward(const SparseMatrix& C, HalfSolves& Y) const;
 
  private:
   struct Front {
@@ -57,10 +66,10 @@ class Multifrontal final : public BlockCholesky {
   double* update_of(int s) const { return updates_[worker_[s]][depth_[s] % 2].data() + fronts_[s].update_at; }
   bool factorize_fronts(const double* values, double lift);
   void find_rcond();
-  int n_free() const { return free_at_.back(); }
   void forward_one(double* y) const;
   void backward_one(double* y) const;
   void forward_panels(const Eigen::Ref<const MatX>& B, Eigen::Ref<MatX> Y) const;
+  void forward_fronts(int n_panels, double* const* rows, std::vector<char>& met) const;
   std::vector<char> fill_panels(const Eigen::Ref<const MatX>& B, double* const* rows, Eigen::Ref<MatX> Y) const;
 
   const FrontKernels& kernels_;

@@ -9,7 +9,7 @@ namespace {
 
 /// Right-hand sides from which on a panel of eight, some of them empty, takes less time than one after the other.
 constexpr int least_batch = 3;
-constexpr int batch = FrontShape::panel * max_rhs_panels;
+constexpr int batch = HalfSolves::batch;
 using PanelRow = Eigen::Map<Eigen::Array<double, FrontShape::panel, 1>>;
 
 }  // namespace
@@ -63,21 +63,54 @@ void Multifrontal::backward_one(double* y) const {
   }
 }
 
-/// At most `batch` columns at once. A supernode none of whose descendants, nor itself, meets an entry is passed over.
+void Multifrontal::forward(const SparseMatrix& C, HalfSolves& Y) const {
+  CREASE_ASSERT(factorized_ && C.rows() == graph_.n_unknowns());
+  std::vector<char> met(static_cast<std::size_t>(n_free()));
+  for (int first = 0; first < C.cols(); first += batch) {
+    const int n = std::min(batch, static_cast<int>(C.cols()) - first);
+    double* rows[max_rhs_panels];
+    rows[0] = Y.add_batch(n);
+    for (int p = 1; p < FrontShape::panels(n); ++p) rows[p] = rows[p - 1] + 8 * static_cast<std::ptrdiff_t>(n_free());
+    std::fill(met.begin(), met.end(), 0);
+    for (int j = 0; j < n; ++j)
+      for (SparseMatrix::InnerIterator entry(C, first + j); entry; ++entry) {
+        const int place = place_[entry.row()];
+        CREASE_ASSERT(place < n_free());
+        rows[j / 8][8 * static_cast<std::ptrdiff_t>(place) + j % 8] = entry.value();
+        met[place] = 1;
+      }
+    forward_fronts(FrontShape::panels(n), rows, met);
+    Y.set_rows(met);
+  }
+}
+
+/// At most `batch` columns at once.
 void Multifrontal::forward_panels(const Eigen::Ref<const MatX>& B, Eigen::Ref<MatX> Y) const {
   const int n_panels = FrontShape::panels(static_cast<int>(B.cols()));
   const auto panel_size = 8 * static_cast<std::size_t>(n_free());
+  AlignedBuffer work;
+  work.reserve(static_cast<std::size_t>(n_panels) * panel_size);
+  double* rows[max_rhs_panels];
+  for (int p = 0; p < n_panels; ++p) rows[p] = work.data() + static_cast<std::size_t>(p) * panel_size;
+  std::vector<char> met = fill_panels(B, rows, Y);
+  forward_fronts(n_panels, rows, met);
+  for (int p = 0; p < n_panels; ++p) {
+    const Eigen::Index first = FrontShape::panel * p,
+                       width = std::min<Eigen::Index>(FrontShape::panel, Y.cols() - first);
+    for (int i = 0; i < n_free(); ++i)
+      if (met[i])
+        for (Eigen::Index k = 0; k < width; ++k) Y(i, first + k) = rows[p][8 * static_cast<std::ptrdiff_t>(i) + k];
+  }
+}
+
+/// A supernode none of whose descendants, nor itself, meets an entry is passed over.
+/// @param met  the rows that have entries; those that get some are added
+void Multifrontal::forward_fronts(int n_panels, double* const* rows, std::vector<char>& met) const {
   const auto product_size = 64 * static_cast<std::size_t>(most_border_panels_);
   AlignedBuffer work;
-  work.reserve(static_cast<std::size_t>(n_panels) * (panel_size + product_size));
-  double* rows[max_rhs_panels];
+  work.reserve(static_cast<std::size_t>(n_panels) * product_size);
   double* product[max_rhs_panels];
-  for (int p = 0; p < n_panels; ++p) {
-    rows[p] = work.data() + static_cast<std::size_t>(p) * panel_size;
-    product[p] =
-        work.data() + static_cast<std::size_t>(n_panels) * panel_size + static_cast<std::size_t>(p) * product_size;
-  }
-  std::vector<char> met = fill_panels(B, rows, Y);
+  for (int p = 0; p < n_panels; ++p) product[p] = work.data() + static_cast<std::size_t>(p) * product_size;
   double* own[max_rhs_panels];
   for (const Front& front : fronts_) {
     const auto begin = met.begin() + front.first, end = begin + front.shape.pivots;
@@ -90,13 +123,6 @@ void Multifrontal::forward_panels(const Eigen::Ref<const MatX>& B, Eigen::Ref<Ma
     for (int p = 0; p < n_panels; ++p)
       for (int i = 0; i < front.shape.border; ++i)
         PanelRow(rows[p] + 8 * static_cast<std::ptrdiff_t>(border[i])) += PanelRow(product[p] + 8 * i);
-  }
-  for (int p = 0; p < n_panels; ++p) {
-    const Eigen::Index first = FrontShape::panel * p,
-                       width = std::min<Eigen::Index>(FrontShape::panel, Y.cols() - first);
-    for (int i = 0; i < n_free(); ++i)
-      if (met[i])
-        for (Eigen::Index k = 0; k < width; ++k) Y(i, first + k) = rows[p][8 * static_cast<std::ptrdiff_t>(i) + k];
   }
 }
 

@@ -47,7 +47,7 @@ void change_basis(const double* from, double* to, int height, int rows, int colu
 
 bool Reduction::build(const QpProblem& problem) {
   qp_.graph = &pattern_.graph();
-  if (pattern_.update(problem)) qp_.H = make_block_matrix(pattern_.graph());
+  if (pattern_.update(problem)) make_block_matrix(pattern_.graph()).swap(qp_.H);
   n_eq_ = static_cast<int>(problem.b_eq.size());
   n_in_ = static_cast<int>(problem.b_in.size());
   largest_ = problem.H.nonZeros() == 0 ? 0.0 : problem.H.coeffs().abs().maxCoeff();
