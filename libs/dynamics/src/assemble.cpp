@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <string>
-#include <system_error>
-#include <thread>
 #include <vector>
 
 #include "block_pattern.hpp"
 #include "crease/base/require.hpp"
+#include "crease/base/workers.hpp"
 #include "crease/dynamics/inertia.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "element.hpp"
@@ -67,7 +65,7 @@ constexpr int pair(int i, int j) {
   return i <= j ? j * (j + 1) / 2 + i : pair(j, i);
 }
 
-// Faces from which on it is worth starting threads, each of which takes some 20 microseconds of it.
+// Faces from which on it is worth waking threads, which takes some microseconds each.
 constexpr int least_shared = 500;
 
 // One pass over the elements of a share, adding into its part of a system laid out by `pattern`.
@@ -281,8 +279,11 @@ void Pass::add_eol_hinge(int hinge, const HingeBatch& batch, int lane) {
 }  // namespace
 
 struct Assembler::Impl {
-  int threads = 1;
-  const ElementKernels* kernels = nullptr;
+  Impl(int n_threads, const ElementKernels& found) : threads(n_threads), workers(n_threads), kernels(&found) {}
+
+  int threads;
+  Workers workers;
+  const ElementKernels* kernels;
   AssembledSystem system;
   BlockPattern pattern;
   std::vector<Share> shares;
@@ -315,10 +316,9 @@ void Assembler::Impl::finish(double h) {
   for (const double hinge : hinge_energies) system.energies.bending += hinge;
 }
 
-Assembler::Assembler(int threads, ElementKernelSet kernels) : impl_(std::make_unique<Impl>()) {
+Assembler::Assembler(int threads, ElementKernelSet kernels) {
   require(threads >= 1, "Assembler: expected at least one thread, got " + std::to_string(threads));
-  impl_->threads = threads;
-  impl_->kernels = &find_element_kernels(kernels);
+  impl_ = std::make_unique<Impl>(threads, find_element_kernels(kernels));
 }
 Assembler::~Assembler() = default;
 Assembler::Assembler(Assembler&&) noexcept = default;
@@ -334,32 +334,21 @@ const AssembledSystem& Assembler::assemble(const Cloth& cloth, const DofMap& dof
 
   impl_->lay_out(cloth.mesh, dofs, material.bending > 0, same_topology);
   impl_->system.energies = {};
-  const auto run = [&](const Share& share) {
+  impl_->workers.run(static_cast<int>(impl_->shares.size()), [&](int k) {
     Pass{.cloth = cloth,
          .dofs = dofs,
          .material = material,
          .options = options,
          .pattern = impl_->pattern,
          .stiffness_scale = h * (h + material.damping),
-         .share = share,
+         .share = impl_->shares[k],
          .system = impl_->system,
          .face_energies = impl_->face_energies,
          .hinge_energies = impl_->hinge_energies,
          .bending = impl_->bending,
          .kernels = *impl_->kernels}
         .run();
-  };
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t k = 1; k < impl_->shares.size(); ++k) {
-      try {
-        threads.emplace_back(run, std::cref(impl_->shares[k]));
-      } catch (const std::system_error&) {
-        run(impl_->shares[k]);  // no more threads to be had
-      }
-    }
-    run(impl_->shares[0]);
-  }
+  });
   impl_->finish(h);
   return impl_->system;
 }

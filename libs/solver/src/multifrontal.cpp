@@ -5,8 +5,6 @@
 #include <limits>
 #include <new>
 #include <numeric>
-#include <system_error>
-#include <thread>
 
 #include "block_graph.hpp"
 #include "crease/base/require.hpp"
@@ -15,8 +13,8 @@
 namespace crease {
 namespace {
 
-/// Time of a factorisation, in flops of the kernels, from which on it is worth starting threads: about a millisecond,
-/// where starting one takes some 20 microseconds.
+/// Time of a factorisation, in flops of the kernels, from which on it is worth waking threads: about a millisecond,
+/// where waking one takes some 10 microseconds.
 constexpr double least_shared = 4e7;
 
 }  // namespace
@@ -245,24 +243,14 @@ bool Multifrontal::factorize_fronts(const double* values, double lift) {
   assembly.reserve(updates_.size());
   for (std::size_t worker = 0; worker < updates_.size(); ++worker) assembly.emplace_back(*this, values, lift);
   std::vector<char> done(updates_.size(), 0);
-  const auto work = [&](std::size_t worker) {
+  const auto work = [&](int worker) {
     for (int s = 0; s < tree_.size(); ++s)
-      if (worker_[s] == static_cast<int>(worker) && !assembly[worker].make_front(s)) return;
+      if (worker_[s] == worker && !assembly[worker].make_front(s)) return;
     done[worker] = 1;
   };
-  const std::size_t last = updates_.size() - 1;
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t worker = 1; worker < last; ++worker) {
-      try {
-        threads.emplace_back(work, worker);
-      } catch (const std::system_error&) {
-        work(worker);  // no more threads to be had
-      }
-    }
-    if (last > 0) work(0);
-  }
-  if (std::count(done.begin(), done.begin() + static_cast<std::ptrdiff_t>(last), 0) > 0) return false;
+  const int last = static_cast<int>(updates_.size()) - 1;
+  workers_.run(last, work);
+  if (std::count(done.begin(), done.begin() + last, 0) > 0) return false;
   work(last);
   return done[last] != 0;
 }

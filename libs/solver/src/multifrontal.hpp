@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "aligned_buffer.hpp"
+#include "crease/base/workers.hpp"
 #include "crease/solver/block_cholesky.hpp"
 #include "front_kernels.hpp"
 #include "half_solves.hpp"
@@ -23,7 +24,8 @@ namespace crease {
 /// of a block take part is seen anew by every factorisation.
 class Multifrontal final : public BlockCholesky {
  public:
-  Multifrontal(const FrontKernels& kernels, int n_threads) : kernels_(kernels), n_threads_(n_threads) {}
+  Multifrontal(const FrontKernels& kernels, int n_threads)
+      : kernels_(kernels), n_threads_(n_threads), workers_(n_threads) {}
 
   bool analyze(const BlockGraph& graph, std::span<const int> order) override;
   const std::vector<int>& order() const override { return order_; }
@@ -74,6 +76,7 @@ class Multifrontal final : public BlockCholesky {
 
   const FrontKernels& kernels_;
   int n_threads_;
+  Workers workers_;
 
   // The analysis.
   BlockGraph graph_;
