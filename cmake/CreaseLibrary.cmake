@@ -19,6 +19,23 @@ function(crease_add_library name)
   install(TARGETS crease_${name} EXPORT creaseTargets FILE_SET HEADERS)
 endfunction()
 
+# crease_add_kernels(LIBRARY STEM [OPTIONS..] [WIDE_OPTIONS..])
+# Adds src/STEM_generic.cpp and, where the processor may have them, src/STEM_avx2.cpp and src/STEM_avx512.cpp: the same
+# loops for one kind of processor each, chosen at run time. Only these files are compiled with its instructions.
+# OPTIONS are for all of them, WIDE_OPTIONS for the latter two.
+function(crease_add_kernels library stem)
+  cmake_parse_arguments(ARG "" "" "OPTIONS;WIDE_OPTIONS" ${ARGN})
+  target_sources(crease_${library} PRIVATE src/${stem}_generic.cpp)
+  set_source_files_properties(src/${stem}_generic.cpp PROPERTIES COMPILE_OPTIONS "${ARG_OPTIONS}")
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+    target_sources(crease_${library} PRIVATE src/${stem}_avx2.cpp src/${stem}_avx512.cpp)
+    set_source_files_properties(src/${stem}_avx2.cpp PROPERTIES
+      COMPILE_OPTIONS "-mavx2;${ARG_OPTIONS};${ARG_WIDE_OPTIONS}")
+    set_source_files_properties(src/${stem}_avx512.cpp PROPERTIES
+      COMPILE_OPTIONS "-mavx512f;-mavx2;${ARG_OPTIONS};${ARG_WIDE_OPTIONS}")
+  endif()
+endfunction()
+
 # crease_add_test(NAME SOURCES.. LIBS.. [LABELS..]): one GoogleTest program per library, each test its own CTest entry.
 function(crease_add_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;LABELS" ${ARGN})

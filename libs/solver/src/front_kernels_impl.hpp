@@ -2,6 +2,10 @@
 // Included by one source file a kind of processor, which sets `CREASE_LANES`, the doubles of a vector register.
 #include "front_kernels.hpp"
 
+#ifdef EIGEN_WORLD_VERSION
+#error "No Eigen in kernels: what it inlines would be laid out, and shared, as on this one kind of processor."
+#endif
+
 namespace crease {
 namespace {
 
