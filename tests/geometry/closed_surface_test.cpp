@@ -47,6 +47,59 @@ TEST(ClosedSurface, NearestIsTheNearestOfAllTrianglesWithTheSignOfTheSolidAngle)
   }
 }
 
+// Points on the surface, its edges and vertices, and where several triangles are equally near: in the middle planes and
+// on the diagonals of a box, on the axes of a ball.
+std::vector<Vec3> points_with_ties(const TriangleSurface& mesh, Rng& rng) {
+  std::vector<Vec3> points = mesh.vertices;
+  for (const Vec3& x : mesh.vertices) points.insert(points.end(), {0.5 * x, 1.25 * x, x.cwiseProduct(Vec3(1, 1, 0))});
+  for (int i = 0; i < 300; ++i) {
+    const auto& t = mesh.triangles[support::pick(rng, static_cast<int>(mesh.triangles.size()))];
+    const double s = uniform(rng, 0, 1), r = i % 3 == 0 ? 0 : uniform(rng, 0, 1 - s);
+    points.push_back((1 - s - r) * mesh.vertices[t[0]] + s * mesh.vertices[t[1]] + r * mesh.vertices[t[2]]);
+    points.push_back(random_point(rng, 1.5));
+    points.push_back(points.back().cwiseProduct(Vec3(i % 2, 1, 0)));
+    points.push_back(Vec3::Constant(uniform(rng, -1, 1)));
+  }
+  return points;
+}
+
+// Oracle: all triangles in turn, by the same sums, so to the last bit. Once the box of a triangle that was nearer by
+// round-off, and lower, was passed over: which of several equals came out hung on where the search began.
+TEST(ClosedSurface, NearestIsTheSameFromEveryStart) {
+  SCOPED_TRACE("seed 4");
+  Rng rng(4);
+  auto surfaces = support::all_surfaces();
+  auto thin = support::ball_surface(1, 3);  // and triangles like needles
+  for (Vec3& x : thin.vertices) x = x.cwiseProduct(Vec3(1e-6, 0.7, 1e-3));
+  surfaces.emplace_back("thin", thin);
+  for (const auto& [name, mesh] : surfaces) {
+    SCOPED_TRACE(name);
+    const ClosedSurface surface(mesh);
+    const auto n = static_cast<int>(mesh.triangles.size());
+    for (const Vec3& p : points_with_ties(mesh, rng)) {
+      int nearest = -1;
+      double least = std::numeric_limits<double>::infinity();
+      for (int t = 0; t < n; ++t) {
+        const auto& [i, j, k] = mesh.triangles[t];
+        const std::array<Vec3, 3> x{mesh.vertices[i], mesh.vertices[j], mesh.vertices[k]};
+        const Vec3 w = closest_on_triangle(p, x), on = w[0] * x[0] + w[1] * x[1] + w[2] * x[2];
+        const double d = (p - on).norm();
+        if (d * d < least) least = d * d, nearest = t;
+      }
+      const SurfaceFoot foot = surface.nearest(p);
+      ASSERT_EQ(foot.triangle, nearest) << p.transpose();
+      ASSERT_EQ(foot.distance * foot.distance, least) << p.transpose();
+      for (int i = 0; i < 5; ++i) {
+        const SurfaceFoot again = surface.nearest(p, support::pick(rng, n));
+        ASSERT_EQ(again.triangle, nearest) << p.transpose();
+        ASSERT_EQ(again.distance, foot.distance);
+        ASSERT_EQ(again.point, foot.point);
+        ASSERT_EQ(again.normal, foot.normal);
+      }
+    }
+  }
+}
+
 // Where the nearest point is a vertex or an edge no face's own normal gives the sign: points close to them, all round.
 TEST(ClosedSurface, TellsInsideFromOutsideAtEdgesAndVertices) {
   SCOPED_TRACE("seed 2");

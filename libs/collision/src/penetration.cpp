@@ -30,6 +30,8 @@ double depth_in(const Cloth& cloth, const PosedObstacle& obstacle, std::span<con
   const Mesh& mesh = cloth.mesh;
   const Eigen::AlignedBox3d bounds = local_bounds(*obstacle.shape);
   const Pose in_place;  // points are in the obstacle's frame already
+  const ClosedSurface* surface = obstacle.shape->surface.get();
+  int last = -1;  // triangle nearest to the point before
   double depth = 0;
   for (int f = 0; f < mesh.face_slots(); ++f) {
     if (!mesh.face_live(f)) continue;
@@ -41,8 +43,14 @@ double depth_in(const Cloth& cloth, const PosedObstacle& obstacle, std::span<con
     }
     if (!face.intersects(bounds)) continue;
     for (const Vec3& w : weights) {
-      const auto distance = signed_distance(*obstacle.shape, in_place, w[0] * x[0] + w[1] * x[1] + w[2] * x[2]);
-      if (distance) depth = std::max(depth, -*distance);
+      const Vec3 p = w[0] * x[0] + w[1] * x[1] + w[2] * x[2];
+      if (surface != nullptr) {
+        const SurfaceFoot foot = surface->nearest(p, last);
+        last = foot.triangle;
+        depth = std::max(depth, -foot.distance);
+      } else if (const auto distance = signed_distance(*obstacle.shape, in_place, p)) {
+        depth = std::max(depth, -*distance);
+      }
     }
   }
   return depth;

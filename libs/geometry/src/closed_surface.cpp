@@ -18,6 +18,12 @@ namespace {
 // So many triangles in a leaf of the tree: below, a box test costs as much as the triangle.
 constexpr int leaf_size = 4;
 
+// Halves of a tree over as many triangles as an int can count: no branch is longer.
+constexpr std::size_t most_levels = 32;
+
+// Round-off of a length, as a share of those that it was computed from: sums of some tens of terms.
+constexpr double length_round_off = 1e-14;
+
 // An edge bends inwards if the triangle behind it rises above the plane before it by more than this sine: round-off of
 // flat faces that were cut into triangles.
 constexpr double flat_sine = 1e-9;
@@ -60,6 +66,7 @@ ClosedSurface::ClosedSurface(TriangleSurface surface) : mesh_(std::move(surface)
   }
   set_edge_normals();
   set_vertex_normals();
+  set_slabs();
   convex_ = convex_ && is_connected();
   order_.resize(mesh_.triangles.size());
   std::iota(order_.begin(), order_.end(), 0);
@@ -93,6 +100,24 @@ void ClosedSurface::set_vertex_normals() {
   }
   for (Vec3& n : vertex_normals_)
     if (n.norm() > 0) n.normalize();
+}
+
+void ClosedSurface::set_slabs() {
+  for (const Vec3& x : mesh_.vertices) radius_ = std::max(radius_, x.norm());
+  for (std::size_t t = 0; t < normals_.size(); ++t) {
+    Slab slab{normals_[t], normals_[t].dot(mesh_.vertices[mesh_.triangles[t][0]]), {}, {}, 0};
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& a = mesh_.vertices[mesh_.triangles[t][k]];
+      const Vec3 along = mesh_.vertices[mesh_.triangles[t][(k + 1) % 3]] - a;
+      longest = std::max(longest, along.norm());
+      slab.sides[k] = along.cross(normals_[t]).normalized();
+      slab.side_offsets[k] = slab.sides[k].dot(a);
+    }
+    // A needle's normal is as uncertain as the needle is thin.
+    slab.round_off = length_round_off * (1 + longest * longest / area_vector(mesh_, t).norm());
+    slabs_.push_back(slab);
+  }
 }
 
 bool ClosedSurface::is_connected() const {
@@ -167,30 +192,49 @@ SurfaceFoot ClosedSurface::foot(int triangle, const Vec3& p) const {
   return foot;
 }
 
-SurfaceFoot ClosedSurface::nearest(const Vec3& p) const {
+// No point of the triangle is nearer. @param size  of the coordinates that go into it [m]
+double ClosedSurface::least_distance(const Slab& slab, const Vec3& p, double size) const {
+  const double off = slab.normal.dot(p) - slab.offset;
+  double beside = 0;
+  for (std::size_t k = 0; k < 3; ++k) beside = std::max(beside, slab.sides[k].dot(p) - slab.side_offsets[k]);
+  return std::sqrt(off * off + beside * beside) - slab.round_off * size;
+}
+
+// Passes over only what is farther than the best by more than round-off: so it is the best of all triangles, in
+// whichever order they are looked at.
+SurfaceFoot ClosedSurface::nearest(const Vec3& p, int start) const {
+  const double size = p.norm() + radius_;
   SurfaceFoot best;
-  double best2 = std::numeric_limits<double>::infinity();
-  const auto better = [&](const SurfaceFoot& found) {
+  double best2 = std::numeric_limits<double>::infinity(), limit = best2, limit2 = best2;
+  const auto offer = [&](int triangle) {
+    const SurfaceFoot found = foot(triangle, p);
     const double d2 = found.distance * found.distance;
-    return d2 < best2 || (d2 == best2 && found.triangle < best.triangle);
+    if (!(d2 < best2 || (d2 == best2 && triangle < best.triangle))) return;
+    best = found;
+    best2 = d2;
+    limit = std::abs(found.distance) + length_round_off * size;
+    limit2 = limit * limit;
   };
-  std::vector<int> stack{0};
-  while (!stack.empty()) {
-    const Node& node = nodes_[stack.back()];
-    stack.pop_back();
-    if (distance2(node, p) > best2) continue;
+  if (start >= 0) offer(start);
+  struct Waiting {
+    int node;
+    double d2;
+  };
+  std::array<Waiting, most_levels + 1> stack{Waiting{0, 0}};
+  std::size_t n = 1;
+  while (n > 0) {
+    const auto [id, d2] = stack[--n];
+    if (d2 > limit2) continue;
+    const Node& node = nodes_[id];
     if (node.left < 0) {
-      for (int i = node.first; i < node.last; ++i) {
-        const SurfaceFoot found = foot(order_[i], p);
-        if (!better(found)) continue;
-        best = found;
-        best2 = found.distance * found.distance;
-      }
+      for (int i = node.first; i < node.last; ++i)
+        if (order_[i] != start && least_distance(slabs_[order_[i]], p, size) <= limit) offer(order_[i]);
       continue;
     }
-    const bool left_first = distance2(nodes_[node.left], p) < distance2(nodes_[node.right], p);
-    stack.push_back(left_first ? node.right : node.left);
-    stack.push_back(left_first ? node.left : node.right);
+    Waiting near{node.left, distance2(nodes_[node.left], p)}, far{node.right, distance2(nodes_[node.right], p)};
+    if (far.d2 <= near.d2) std::swap(near, far);
+    stack[n++] = far;
+    stack[n++] = near;
   }
   return best;
 }

@@ -49,7 +49,9 @@ class ClosedSurface {
   /// In one part, and no edge bends inwards, up to round-off.
   bool is_convex() const { return convex_; }
 
-  SurfaceFoot nearest(const Vec3& p) const;
+  /// The nearest place on all triangles, on the lowest of those that are equally near. `start`, a triangle that may be
+  /// near (-1 = none known), saves work and changes nothing.
+  SurfaceFoot nearest(const Vec3& p, int start = -1) const;
 
   /// Seen from a point outside: every place within `reach` that is nearer than all places around it. One at most on a
   /// convex solid; in a groove, one on each side. From inside the nearest alone: it is the way out. By triangle.
@@ -61,13 +63,23 @@ class ClosedSurface {
     int left = -1, right = -1;  // children, or
     int first = 0, last = 0;    // a range of order_ (a leaf)
   };
+  /// What a triangle lies within: its plane n . x = offset, and side k's plane across it, outward.
+  struct Slab {
+    Vec3 normal;
+    double offset;
+    std::array<Vec3, 3> sides;
+    std::array<double, 3> side_offsets;
+    double round_off;  // of a distance to these planes, as a share of the lengths that go into it
+  };
   int build(int first, int last, const std::vector<Vec3>& centres);
+  void set_slabs();
   void set_edge_normals();
   void set_vertex_normals();
   bool is_connected() const;
   SurfaceFoot foot(int triangle, const Vec3& p) const;
   bool is_minimum(const SurfaceFoot& candidate, const Vec3& p) const;
   double distance2(const Node& node, const Vec3& p) const;
+  double least_distance(const Slab& slab, const Vec3& p, double size) const;
 
   TriangleSurface mesh_;
   std::vector<Vec3> normals_;
@@ -75,6 +87,8 @@ class ClosedSurface {
   std::vector<std::array<Vec3, 3>> edge_normals_;
   std::vector<Vec3> vertex_normals_;
   std::vector<std::vector<int>> at_vertex_;
+  std::vector<Slab> slabs_;
+  double radius_ = 0;  // of all vertices about the origin [m]
   std::vector<Node> nodes_;
   std::vector<int> order_;
   bool convex_ = true;
