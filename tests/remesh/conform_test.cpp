@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -376,6 +379,84 @@ TEST(Conform, BeginsNoChainWhereOneHasJustEnded) {
   again.cloth.left.clear();
   const Cloth closed = again.conform({}).cloth;
   for (double at = -0.3; at < 0.3; at += 0.005) EXPECT_TRUE(covered(closed, middle + at)) << at;
+}
+
+/// A chain from border to border, and two neighbours of it in the middle.
+struct Chain {
+  explicit Chain(double angle) : sheet({.angle = angle}) { find_middle(); }
+
+  SlidingSheet sheet;
+  PosedObstacle table = sheet.table();
+  int a = Mesh::none, b = Mesh::none;  // along the obstacle's edge
+  FeatureId edge;
+
+  void find_middle() {
+    sheet.cloth = sheet.conform({}).cloth;
+    double nearest = 1;
+    for (const int h : sheet.cloth.mesh.edges()) {
+      if (sheet.cloth.mesh.tag(h) == 0) continue;
+      edge = tag_feature(sheet.cloth.mesh.tag(h));
+      const std::array<int, 2> ends{sheet.cloth.mesh.from(h), sheet.cloth.mesh.to(h)};
+      const double off = (sheet.cloth.mesh.X[ends[0]] - Vec2(0.7, 0.5)).norm();
+      if (off >= nearest) continue;
+      nearest = off;
+      a = ends[place(ends[0]) < place(ends[1]) ? 0 : 1];
+      b = a == ends[0] ? ends[1] : ends[0];
+    }
+  }
+  double place(int v) const { return world_edge(edge, {&table, 1}).parameter(sheet.cloth.mesh.x[v]); }
+};
+
+// Vertices that begin to ride move by less than this, others are much farther away.
+bool rides_at(const Cloth& cloth, const Vec2& X) {
+  for (int v = 0; v < cloth.mesh.n_vertices(); ++v)
+    if ((cloth.mesh.X[v] - X).norm() < 3e-3 && cloth.rides(v)) return true;
+  return false;
+}
+
+// Two parts of a chain that may not be linked, as one between them has just ended, travel over the sheet at 1.75 m/s,
+// side by side: they were taken for riders that run into each other, and one had to give way that had begun a step ago.
+TEST(Conform, LetsTravelWhatTravelsTogether) {
+  Chain chain(0.3);
+  Cloth& cloth = chain.sheet.cloth;
+  cloth.mesh.set_tag(cloth.mesh.find_edge(chain.a, chain.b), 0);
+  cloth.left = {{.feature = chain.edge, .from = chain.place(chain.a), .to = chain.place(chain.b)}};
+  for (int v = 0; v < cloth.mesh.n_vertices(); ++v)
+    if (cloth.is_eol(v)) cloth.V[v] = 1.75 * chain.sheet.across();
+  const Vec2 A = cloth.mesh.X[chain.a], B = cloth.mesh.X[chain.b];
+  ConformOptions options;
+  options.look_ahead = (B - A).norm();  // 1.75 times as far
+  const auto both_ride = [&] {
+    const Cloth next = conform(cloth, {}, {&chain.table, 1}, options).cloth;
+    return rides_at(next, A) && rides_at(next, B);
+  };
+  EXPECT_TRUE(both_ride());
+  cloth.V[chain.b] -= 1.75 * (B - A).normalized();
+  EXPECT_FALSE(both_ride());
+}
+
+// Beside the end of a chain to which it may not be linked nothing begins. A vertex that the contact's mesh edge ends in
+// was once taken all the same: the rider beside it is in neither face of that edge.
+TEST(Conform, BeginsNothingThatWouldGiveWayAtOnce) {
+  int n_begun = 0;
+  for (int i = 1; i <= 30; ++i) {
+    for (const double beside : {-3e-4, 3e-4}) {
+      Chain chain(0.05 * i);
+      Cloth& cloth = chain.sheet.cloth;
+      cloth.left = {{.feature = chain.edge, .from = chain.place(chain.a), .to = chain.place(chain.b) - 3e-3}};
+      for (int v = 0; v < cloth.mesh.n_vertices(); ++v)
+        if (cloth.is_eol(v) && chain.place(v) > chain.place(chain.a)) make_lagrangian(cloth, v);
+      cloth.mesh.X[chain.b] += beside * chain.sheet.across();
+      cloth.mesh.x[chain.b].x() += beside;
+      const Vec2 A = cloth.mesh.X[chain.a], B = cloth.mesh.X[chain.b];
+      const Cloth next = chain.sheet.conform({}).cloth;
+      EXPECT_TRUE(rides_at(next, A));
+      EXPECT_FALSE(rides_at(next, B)) << 0.05 * i << ", " << beside;
+      cloth.left.clear();
+      n_begun += rides_at(chain.sheet.conform({}).cloth, B);
+    }
+  }
+  EXPECT_GT(n_begun, 30) << "else there was nothing to begin";
 }
 
 /// A sheet that hangs over the table's edge, after its fold has lifted off and gone out by `out`.

@@ -127,14 +127,15 @@ bool is_beside_lifted(const Conforming& c, int h, const FeatureId& feature) {
   return false;
 }
 
-// Beside a rider that it may not be linked to, a new one would have to give way to it.
-bool is_beside_parted(const Conforming& c, int h, const Vec3& x, const FeatureId& feature) {
-  for (const int side : {h, c.mesh().twin(h)}) {
-    if (side == Mesh::none) continue;
-    for (const int u : {c.mesh().from(side), c.mesh().opposite(side)})
-      if (is_parted(c, feature, x, u)) return true;
-  }
-  return false;
+// Beside a rider that it may not be linked to, a new one would have to give way to it. Round a vertex that would be
+// taken for it, one may ride that is in neither face of the cloth edge.
+bool is_beside_parted(const Conforming& c, int h, const Vec3& x, const FeatureId& feature, int taken) {
+  if (c.cloth().left.empty()) return false;
+  std::vector<int> around;
+  if (taken != Mesh::none) around = c.mesh().neighbours(taken);
+  for (const int side : {h, c.mesh().twin(h)})
+    if (side != Mesh::none) around.insert(around.end(), {c.mesh().from(side), c.mesh().opposite(side)});
+  return std::any_of(around.begin(), around.end(), [&](int u) { return is_parted(c, feature, x, u); });
 }
 
 void insert_crossing(Conforming& c, const Contact& contact) {
@@ -151,16 +152,16 @@ void insert_crossing(Conforming& c, const Contact& contact) {
     if (lies_on(c.cloth().feature[v], contact.feature, c.obstacles)) return;
   if (is_beside_lifted(c, h, contact.feature)) return;
   const SurfacePoint point = on_edge_point(c.cloth(), h, t);
-  if (is_beside_parted(c, h, point.x, contact.feature)) return;
+  const int end = t < 0.5 ? a : b;
+  const double gap = std::min(t, 1 - t) * c.mesh().material_length(h);
+  if (is_beside_parted(c, h, point.x, contact.feature, gap <= adopt_reach(c, h) ? end : Mesh::none)) return;
   if (separates(c, contact.feature, point, contact.normal)) {
     c.editor.refuse_once(RefusalReason::Separating, point.X);
     return;
   }
   const Vec3 tangent = world_edge(contact.feature, c.obstacles).tangent;
   const Vec2 direction = pull_back(edge_gradient(c.mesh(), h), tangent);
-  const int end = t < 0.5 ? a : b;
   // An exact hit on a border vertex is a hit on the border, whichever edge reported it.
-  const double gap = std::min(t, 1 - t) * c.mesh().material_length(h);
   const bool at_border_vertex = gap <= c.merge(least_gap_share) && c.mesh().is_border_vertex(end);
   const int border_edge = c.mesh().is_border(h) ? h : at_border_vertex ? c.mesh().halfedge(end) : Mesh::none;
   if (at_border_vertex && c.mesh().on_seam(end)) {

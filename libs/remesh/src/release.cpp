@@ -124,7 +124,9 @@ bool drifts_into_rider(const Conforming& c, int v) {
     if (!c.cloth().rides(u) || mesh.tag(mesh.find_edge(v, u)) != 0) return false;
     const bool stands = feature.away > 0 || (gives_way_to(c, v, u) && is_parted(c, feature, mesh.x[v], u));
     if (!feature.lifted && !stands) return false;
-    const double ahead = stands ? need_share * c.options.look_ahead * c.cloth().V[u].norm() : 0.0;
+    // Two that travel together do not come nearer.
+    const double speed = (c.cloth().V[u] - c.cloth().V[v]).norm();
+    const double ahead = stands ? need_share * c.options.look_ahead * speed : 0.0;
     return (mesh.X[u] - mesh.X[v]).norm() < std::max(c.merge(cross_share), ahead);
   });
 }
