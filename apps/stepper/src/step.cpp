@@ -5,9 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <set>
-#include <tuple>
 #include <utility>
 
+#include "active_rows.hpp"
 #include "contact_keys.hpp"
 #include "crease/base/require.hpp"
 #include "crease/geometry/dof_map.hpp"
@@ -37,13 +37,6 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
-
-/// Names a row across steps and remeshing.
-using RowKey = std::tuple<int, int, int, int, int, int>;
-RowKey key_of(const RowInfo& row) {
-  return {row.vertex,           static_cast<int>(row.kind),         row.slot,
-          row.feature.obstacle, static_cast<int>(row.feature.kind), row.feature.index};
-}
 
 std::vector<PosedObstacle> pose_all(std::span<const Obstacle> obstacles, double time, double h) {
   std::vector<PosedObstacle> posed;
@@ -188,7 +181,7 @@ struct SheetStepper::Impl {
   // Of the last accepted assembly: reused while faces and EOL set stay.
   std::vector<std::array<int, 3>> faces;
   std::vector<char> eol;
-  std::set<RowKey> active;  // in the last solution
+  ActiveRows active;  // in the last solution
   QpProblem problem;
 
   // The stages of Algorithm 1, in order; false = the step failed and the report says why.
@@ -203,10 +196,7 @@ struct SheetStepper::Impl {
   void integrate(Work& work, Cloth next, std::span<const Obstacle> obstacles);
 
   bool same_topology(const Cloth& cloth);
-  std::vector<char> guess(const Work& work) const;
   void forget();
-  void remember(const ConstraintRows& rows, const QpResult& solution);
-  void renumber(const std::vector<int>& vertex_map);
 };
 
 bool SheetStepper::Impl::same_topology(const Cloth& cloth) {
@@ -220,42 +210,11 @@ bool SheetStepper::Impl::same_topology(const Cloth& cloth) {
   return same;
 }
 
-/// Rows that were active stay so at first; others become it where they are broken by the motion as it is, which is that
-/// of the last solution in this step, or that of the sheet. So a front that comes closer is met on time.
-std::vector<char> SheetStepper::Impl::guess(const Work& work) const {
-  const ConstraintRows& rows = work.rows;
-  if (rows.in.empty()) return {};
-  const bool solved = work.solution.q.size() == work.dofs.size();
-  const VecX slack = rows.A_in * (solved ? work.solution.q : gather_velocity(work.cloth, work.dofs)) - rows.b_in;
-  std::vector<char> start(rows.in.size());
-  for (std::size_t r = 0; r < rows.in.size(); ++r)
-    start[r] = slack[static_cast<int>(r)] <= 0 || active.contains(key_of(rows.in[r]));
-  return start;
-}
-
 /// What was remembered is of a mesh that a failed step has thrown away.
 void SheetStepper::Impl::forget() {
   faces.clear();
   eol.clear();
-  active.clear();
-}
-
-void SheetStepper::Impl::remember(const ConstraintRows& rows, const QpResult& solution) {
-  active.clear();
-  for (std::size_t r = 0; r < rows.in.size(); ++r)
-    if (solution.active[r]) active.insert(key_of(rows.in[r]));
-}
-
-void SheetStepper::Impl::renumber(const std::vector<int>& vertex_map) {
-  std::set<RowKey> moved;
-  for (const RowKey& key : active) {
-    const int old = std::get<0>(key);
-    if (old < 0 || old >= static_cast<int>(vertex_map.size()) || vertex_map[old] == Mesh::none) continue;
-    RowKey renamed = key;
-    std::get<0>(renamed) = vertex_map[old];
-    moved.insert(renamed);
-  }
-  active = std::move(moved);
+  active.forget();
 }
 
 SheetStepper::SheetStepper(SheetSettings settings, Stages stages)
@@ -289,7 +248,7 @@ void SheetStepper::Impl::remesh(Work& work) {
   report.after_remesh = carried(done.after, settings.material.density);
   report.times.remesh = work.watch.lap();
   if (!done.changed) return;
-  renumber(done.vertex_map);
+  active.renumber(done.vertex_map);
   work.cloth = std::move(remeshed.cloth);
   spread_wire_sides(work.cloth, work.posed);
   report.times.transfer = work.watch.lap();
@@ -322,13 +281,19 @@ void SheetStepper::Impl::constrain(Work& work) {
 
 QpStatus SheetStepper::Impl::solve(Work& work) {
   make_problem(*system, work.rows, work.dofs, problem);
-  work.solution = stages.solve ? stages.solve(problem, guess(work)) : linear.solve(problem);
+  if (stages.solve) {
+    const bool solved = work.solution.q.size() == work.dofs.size();
+    const VecX motion = solved ? work.solution.q : gather_velocity(work.cloth, work.dofs);
+    work.solution = stages.solve(problem, active.guess(work.rows, motion));
+  } else {
+    work.solution = linear.solve(problem);
+  }
   const QpResult& solution = work.solution;
   work.report.qp_iterations += solution.iterations;
   work.report.qp_fell_back = work.report.qp_fell_back || solution.fell_back;
   work.report.kkt_residual = solution.kkt_residual;
   work.report.times.solve += work.watch.lap();
-  if (solution.status == QpStatus::Solved && stages.solve) remember(work.rows, solution);
+  if (solution.status == QpStatus::Solved && stages.solve) active.remember(work.rows, solution);
   return solution.status;
 }
 
