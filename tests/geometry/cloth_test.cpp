@@ -145,6 +145,37 @@ TEST(ValidateCloth, NamesEachBrokenInvariant) {
   EXPECT_NE(validate(bad), std::nullopt);
   bad.feature[inner + 1] = {0, FeatureKind::Corner, 5};
   EXPECT_EQ(validate(bad), std::nullopt);
+  bad.feature[inner].away = 0.01;
+  EXPECT_NE(validate(bad), std::nullopt) << "what lingers is lifted";
+  bad.feature[inner].lifted = true;
+  EXPECT_EQ(validate(bad), std::nullopt);
+  bad.left = {{.feature = {0, FeatureKind::Edge, 4}, .from = 1, .to = 0.5}};
+  EXPECT_NE(validate(bad), std::nullopt);
+}
+
+// Edge 4 of a box ends in two of its corners, and not in the others.
+TEST(ValidateCloth, HoldsFeaturesAgainstTheObstacles) {
+  const ObstacleShape box = make_box({1, 1, 1});
+  const std::vector<PosedObstacle> obstacles{{&box, {}}};
+  Cloth cloth = make_cloth(support::grid(GridPattern::Right, 4, 4));
+  const int inner = 12;
+  cloth.feature[inner] = {.obstacle = 0, .kind = FeatureKind::Edge, .index = 4, .lifted = true, .away = 0.01};
+  cloth.mesh.set_tag(cloth.mesh.find_edge(inner, inner + 1), edge_tag(0, 4));
+  int n_ends = 0;
+  for (int corner = 0; corner < 9; ++corner) {
+    cloth.feature[inner + 1] = {0, FeatureKind::Corner, corner};
+    EXPECT_EQ(validate(cloth), std::nullopt) << "which corners there are is not asked";
+    n_ends += validate(cloth, obstacles, 0.01) == std::nullopt;
+  }
+  EXPECT_EQ(n_ends, 2);
+  cloth.feature[inner + 1] = cloth.feature[inner];
+  EXPECT_EQ(validate(cloth, obstacles, 0.01), std::nullopt);
+  EXPECT_NE(validate(cloth, {}, 0.01), std::nullopt);
+  EXPECT_NE(validate(cloth, obstacles, 0.009), std::nullopt) << "lingers for longer";
+  cloth.left = {{.feature = {0, FeatureKind::Edge, 11}, .from = 0, .to = 0.5, .age = 0.01}};
+  EXPECT_EQ(validate(cloth, obstacles, 0.01), std::nullopt);
+  cloth.left[0].feature.index = 12;
+  EXPECT_NE(validate(cloth, obstacles, 0.01), std::nullopt);
 }
 
 TEST(DofMap, NumbersFiveUnknownsAtEolVerticesAndThreeElsewhere) {

@@ -39,7 +39,7 @@ TEST(EdgeRemeshing, MovesNoPointOfTheSurfaceByAFifthOfAMillimetre) {
   SheetStepper stepper({.material = spec.material,
                         .dynamics = {scene.gravity, scene.velocity_terms},
                         .threshold = scene.threshold,
-                        .linger = 2 * scene.time_step,
+                        .linger = linger_steps * scene.time_step,
                         .pins = spec.pins},
                        stages);
   Cloth cloth = loaded.cloths[0];

@@ -235,7 +235,7 @@ TEST(Step, LetsAChainLingerForTwoSteps) {
     stages.remesh = {};
     SheetSettings settings;
     settings.dynamics.gravity.setZero();
-    settings.linger = 2 * h;
+    settings.linger = linger_steps * h;
     SheetStepper stepper(settings, stages);
     Cloth cloth = sheet.cloth, off_once;
     const auto step = [&] {

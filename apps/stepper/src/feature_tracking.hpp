@@ -24,7 +24,8 @@ struct Tracking {
 /// the cone, or ran past the end of its edge, has left. But a fold that lifts off an edge of a solid under tension
 /// stays one (FeatureId::lifted) until it is flat or slack, or stands on the edge again. What has left lingers
 /// (FeatureId::away): back at its feature within `linger`, it rides on; else it becomes Lagrangian, and for `linger` no
-/// chain begins where it was (Cloth::left). So a chain lives for two steps at least, and so does a gap in it.
+/// chain begins where it was (Cloth::left). So as far as tracking goes a chain lives for `linger` at least, and
+/// so does a gap in it; what conform() releases may live shorter.
 /// @return the number that became Lagrangian
 int track_features(Cloth& cloth, std::span<const Obstacle> obstacles, const Tracking& tracking);
 

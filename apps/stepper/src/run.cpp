@@ -88,6 +88,7 @@ class Run {
   RunResult go(const std::function<bool(const RunProgress&)>& progress);
 
  private:
+  Checkpoint sound_checkpoint(std::string_view bytes) const;
   void begin();
   std::vector<StepRow> kept_rows() const;
   RunResult take_steps(const std::function<bool(const RunProgress&)>& progress);
@@ -136,10 +137,31 @@ Run::Run(const LoadedScene& loaded, const RunOptions& options)
   begin();
 }
 
+/// One that this scene's run may have written: a hash finds what the disk spoiled, this what was wrong when it was
+/// made.
+Checkpoint Run::sound_checkpoint(std::string_view bytes) const {
+  Checkpoint checkpoint = decode_checkpoint(bytes);
+  const auto expect = [](bool holds, const std::string& trouble) {
+    if (!holds) throw std::runtime_error("checkpoint is unsound: " + trouble);
+  };
+  expect(checkpoint.step >= 0 && checkpoint.step <= schedule_.n_steps, "the scene has no such step");
+  expect(checkpoint.cloths.size() == scene_.cloths.size(), "the scene has another number of cloths");
+  std::vector<PosedObstacle> posed;
+  for (const Obstacle& obstacle : scene_.obstacles)
+    posed.push_back({&obstacle.shape, pose_at(obstacle, schedule_.end_of(checkpoint.step))});
+  const double longest = (linger_steps + 1) * schedule_.time_step;  // the last part of a step may end just after
+  for (const Cloth& cloth : checkpoint.cloths) {
+    const std::optional<std::string> trouble = validate(cloth, posed, longest);
+    expect(!trouble, trouble.value_or(""));
+  }
+  return checkpoint;
+}
+
 /// Goes on from the checkpoint; a new run has one of step 0. Whatever stands in the folder of a run before it, or of
 /// what a killed run wrote after it, is dropped.
 void Run::begin() {
-  Checkpoint checkpoint = parse_file(directory_.checkpoint(), decode_checkpoint);
+  Checkpoint checkpoint =
+      parse_file(directory_.checkpoint(), [this](const std::string& bytes) { return sound_checkpoint(bytes); });
   step_ = checkpoint.step;
   sheets_.restart(std::move(checkpoint.cloths));
   std::string table = steps_header();

@@ -12,7 +12,6 @@ namespace {
 
 constexpr int most_halvings = 10;
 constexpr int finest = 1 << most_halvings;  ///< smallest parts in a step
-constexpr double linger_steps = 2;          ///< SheetSettings::linger in steps of the scene
 
 void add_times(const StageTimes& times, StepRow& row) {
   row.t_detect += times.detect;

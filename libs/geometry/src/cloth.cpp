@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "crease/geometry/cloth.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "crease/base/require.hpp"
+#include "crease/geometry/feature_place.hpp"
 #include "crease/geometry/triangle.hpp"
 
 namespace crease {
@@ -17,6 +21,19 @@ bool lies_on(const FeatureId& vertex, const FeatureId& edge) {
   return vertex.kind == FeatureKind::Corner || (vertex.kind == FeatureKind::Edge && vertex.index == edge.index);
 }
 
+bool is_age(double seconds) {
+  return std::isfinite(seconds) && seconds >= 0;
+}
+
+std::optional<std::string> left_trouble(const LeftStretch& left) {
+  if (left.feature.kind != FeatureKind::Edge && left.feature.kind != FeatureKind::Corner)
+    return "what was left is no feature";
+  if (left.feature.obstacle < 0 || left.feature.index < 0) return "what was left is a feature without a number";
+  if (!is_age(left.age)) return "what was left was so at no time";
+  if (!std::isfinite(left.from) || !std::isfinite(left.to) || left.from > left.to) return "what was left is no stretch";
+  return std::nullopt;
+}
+
 std::optional<std::string> vertex_trouble(const Cloth& cloth, int i) {
   const std::string name = "vertex " + std::to_string(i);
   if (!cloth.v[i].allFinite() || !cloth.V[i].allFinite()) return name + " has a velocity that is not finite";
@@ -25,12 +42,17 @@ std::optional<std::string> vertex_trouble(const Cloth& cloth, int i) {
       return name + " moves or is held otherwise than what it is tied to";
     if (cloth.is_eol(i)) return name + " is EOL but on a seam";
   }
+  const FeatureId& feature = cloth.feature[i];
+  if (!is_age(feature.away)) return name + " has lingered for no time";
+  if (feature.away > 0 && !feature.lifted) return name + " lingers but is not lifted";
   if (!cloth.is_eol(i)) {
+    if (feature.lifted) return name + " is lifted but not EOL";
     if (!cloth.V[i].isZero(0)) return name + " is Lagrangian but has an Eulerian velocity";
     return std::nullopt;
   }
-  if (cloth.feature[i].obstacle < 0 || cloth.feature[i].index < 0)
-    return name + " is EOL on a feature without a number";
+  if (feature.kind != FeatureKind::Edge && feature.kind != FeatureKind::Corner)
+    return name + " is EOL on no kind of feature";
+  if (feature.obstacle < 0 || feature.index < 0) return name + " is EOL on a feature without a number";
   if (cloth.mesh.is_material_corner(i)) return name + " is EOL but a material corner";
   return std::nullopt;
 }
@@ -97,6 +119,32 @@ std::optional<std::string> validate(const Cloth& cloth) {
       if (!lies_on(cloth.feature[i], tag_feature(tag)))
         return name + " is tagged with a feature that one end is not on";
     }
+  }
+  for (const LeftStretch& left : cloth.left)
+    if (auto trouble = left_trouble(left)) return trouble;
+  return std::nullopt;
+}
+
+std::optional<std::string> validate(const Cloth& cloth, std::span<const PosedObstacle> obstacles, double longest) {
+  if (auto trouble = validate(cloth)) return trouble;
+  const Mesh& mesh = cloth.mesh;
+  for (int i = 0; i < mesh.vertex_slots(); ++i) {
+    if (!mesh.vertex_live(i) || !cloth.is_eol(i)) continue;
+    const std::string name = "vertex " + std::to_string(i);
+    if (!exists(cloth.feature[i], obstacles)) return name + " is EOL on a feature that no obstacle has";
+    if (cloth.feature[i].away > longest) return name + " has lingered for too long";
+  }
+  for (const int h : mesh.edges()) {
+    if (mesh.tag(h) == 0) continue;
+    const FeatureId edge = tag_feature(mesh.tag(h));
+    if (!exists(edge, obstacles) || !lies_on(cloth.feature[mesh.from(h)], edge, obstacles) ||
+        !lies_on(cloth.feature[mesh.to(h)], edge, obstacles))
+      return "edge " + std::to_string(mesh.from(h)) + "-" + std::to_string(mesh.to(h)) +
+             " is tagged with a feature that one end is not on";
+  }
+  for (const LeftStretch& left : cloth.left) {
+    if (!exists(left.feature, obstacles)) return "what was left is a feature that no obstacle has";
+    if (left.age > longest) return "what was left was so too long ago";
   }
   return std::nullopt;
 }

@@ -5,6 +5,14 @@
 
 namespace crease {
 
+bool exists(const FeatureId& feature, std::span<const PosedObstacle> obstacles) {
+  if (feature.kind == FeatureKind::None || feature.obstacle < 0 || feature.index < 0) return false;
+  if (feature.obstacle >= static_cast<int>(obstacles.size())) return false;
+  const ObstacleShape& shape = *obstacles[feature.obstacle].shape;
+  const std::size_t n = feature.kind == FeatureKind::Edge ? shape.edges.size() : shape.corners.size();
+  return feature.index < static_cast<int>(n);
+}
+
 WorldEdge world_edge(const FeatureId& edge, std::span<const PosedObstacle> obstacles) {
   const PosedObstacle& obstacle = obstacles[edge.obstacle];
   const SharpEdge& local = obstacle.shape->edges[edge.index];

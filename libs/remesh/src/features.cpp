@@ -14,14 +14,6 @@ namespace {
 constexpr double parallel_sine = 0.0349;
 }  // namespace
 
-bool exists(const FeatureId& feature, Obstacles obstacles) {
-  if (feature.kind == FeatureKind::None || feature.obstacle < 0 || feature.index < 0) return false;
-  if (feature.obstacle >= static_cast<int>(obstacles.size())) return false;
-  const ObstacleShape& shape = *obstacles[feature.obstacle].shape;
-  const std::size_t n = feature.kind == FeatureKind::Edge ? shape.edges.size() : shape.corners.size();
-  return feature.index < static_cast<int>(n);
-}
-
 double stand_off(const FeatureId& feature, Obstacles obstacles, const Vec3& x) {
   const PosedObstacle& obstacle = obstacles[feature.obstacle];
   const Vec3 away = x - nearest_on(feature, obstacles, x);

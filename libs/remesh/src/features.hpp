@@ -11,9 +11,6 @@ namespace crease {
 
 using Obstacles = std::span<const PosedObstacle>;
 
-/// Whether the feature's obstacle, and on it the feature, is there.
-bool exists(const FeatureId& feature, Obstacles obstacles);
-
 /// How far x stands off the feature: the largest of its signed distances from the planes that meet there, as the solver
 /// sees them; the distance from a wire; that from a point, negative behind it [m].
 double stand_off(const FeatureId& feature, Obstacles obstacles, const Vec3& x);

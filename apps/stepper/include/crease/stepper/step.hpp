@@ -63,6 +63,9 @@ struct Stages {
   std::function<QpResult(const QpProblem&, std::span<const char> guess)> solve;  ///< empty: H q = f, no QP
 };
 
+/// SheetSettings::linger of a run, in time steps of its scene: cloth that rattles over an edge is back by then.
+inline constexpr double linger_steps = 2;
+
 /// Everything of a sheet that lives from step to step.
 struct SheetSettings {
   Material material;
@@ -70,7 +73,7 @@ struct SheetSettings {
   double threshold = 1e-3;      ///< contact threshold [m]
   double push_out_speed = 0.1;  ///< see ConstraintOptions [m/s]
   /// How long a chain that is off its feature may come back to it, and none begins where one has ended; 0: both at once
-  /// [s].
+  /// [s]. A run has `linger_steps` of its steps; whoever calls step() alone sets it likewise.
   double linger = 0;
   std::vector<PinSpec> pins;
   int threads = 1;  ///< of assembly, and of the linear solve where there is no solve stage

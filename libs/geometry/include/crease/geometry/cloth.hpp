@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "crease/base/types.hpp"
+#include "crease/geometry/feature.hpp"
 #include "crease/geometry/mesh.hpp"
 #include "crease/geometry/obstacle.hpp"
 
@@ -34,7 +36,7 @@ struct Cloth {
   std::vector<LeftStretch> left = {};  ///< no chain begins there
 
   bool is_eol(int vertex) const { return feature[vertex].kind != FeatureKind::None; }
-  /// An EOL vertex whose fold has not lifted off.
+  /// An EOL vertex that its feature leads: neither has its fold lifted off nor does it linger.
   bool rides(int vertex) const { return is_eol(vertex) && !feature[vertex].lifted; }
   int n_eol() const;
   /// World velocity of the material at a vertex: xdot for a Lagrangian one, xdot - F Xdot (F area-weighted) for EOL.
@@ -54,7 +56,12 @@ FeatureId tag_feature(int tag);
 
 /// First broken invariant in words, or nothing: mesh.validate(), array sizes, finite numbers, V = 0 off EOL vertices,
 /// no EOL vertex at a material corner or tied by a seam, tied vertices with the same velocity and pins, every tagged
-/// edge ends in two EOL vertices that lie on that feature.
+/// edge ends in two EOL vertices that lie on that feature; times and stretches of what lingers and was left are finite,
+/// not negative and in order, and only what is lifted lingers.
 std::optional<std::string> validate(const Cloth& cloth);
+
+/// The same, and that every feature that is named there is one of these obstacles', and nothing has been off its
+/// feature or left for longer than `longest` [s].
+std::optional<std::string> validate(const Cloth& cloth, std::span<const PosedObstacle> obstacles, double longest);
 
 }  // namespace crease

@@ -8,6 +8,9 @@
 
 namespace crease {
 
+/// Whether the feature's obstacle, and on it the feature, is there.
+bool exists(const FeatureId& feature, std::span<const PosedObstacle> obstacles);
+
 /// A sharp edge where it is now.
 struct WorldEdge {
   Vec3 a, tangent;  ///< starts at a; unit tangent
