@@ -86,12 +86,13 @@ Row measure(int cells) {
   timed.push_back({"one thread", [&] { assemble(clock, true); }, CLOCK_MONOTONIC});
   timed.push_back({"two threads", [&] { assemble(two, true); }, CLOCK_MONOTONIC});
   take_turns(timed);
-  const double busier = busier_thread(timed.back().run, static_cast<int>(timed.back().milliseconds.size()));
+  const auto turns = static_cast<int>(timed.back().milliseconds.size());
+  const double alone = busier_thread(timed[4].run, turns), busier = busier_thread(timed[5].run, turns);
   const Row row{static_cast<double>(sheet.n_faces), timed[0].median(), timed[1].median(), timed[2].median(),
                 timed[3].median()};
   std::printf("| %.0f | %.3g | %.3g | %.3g | %.3g | %.1f | %.2f | %.2f (%.2f) | %.0f |\n", row.faces, row.in_place,
               row.anew, row.triplets, row.factor, row.triplets / row.in_place, row.in_place / row.factor,
-              row.in_place / busier, timed[4].best() / timed[5].best(), peak_memory());
+              alone / busier, timed[4].best() / timed[5].best(), peak_memory());
   std::fflush(stdout);
   return row;
 }
