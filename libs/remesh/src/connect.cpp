@@ -8,6 +8,7 @@
 #include "crease/geometry/triangle.hpp"
 #include "guard.hpp"
 #include "metric.hpp"
+#include "strain.hpp"
 #include "transfer.hpp"
 
 // A chain is made link by link. The EOL vertices of one obstacle edge are sorted along it; two that follow each other
@@ -207,7 +208,8 @@ int Linker::step_over_edge(int p, int q, const Exit& exit) {
   if (mesh().is_border(h) || mesh().tag(h) != 0) return Mesh::none;
   const FlipCheck check = flip_check(c_.cloth(), h);
   const bool reaches = mesh().opposite(mesh().twin(h)) == q;
-  if (reaches && check.sound && check.angle >= std::min(least_angle, check.angle_before)) {
+  const bool may_flip = check.sound && strain_gained_by_flip(mesh(), h) <= needed_strain;
+  if (reaches && may_flip && check.angle >= std::min(least_angle, check.angle_before)) {
     c_.editor.flip(h);
     return p;
   }
@@ -222,7 +224,7 @@ int Linker::step_over_edge(int p, int q, const Exit& exit) {
     c_.editor.set_tag(mesh().find_edge(p, m), tag_);
     return m;
   }
-  if (!check.sound) return Mesh::none;
+  if (!may_flip) return Mesh::none;
   c_.editor.flip(h);
   return p;
 }
