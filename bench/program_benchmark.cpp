@@ -3,6 +3,8 @@
 // Whether the solver is right on the quadratic programs of real runs: takes programs from scenes' whole runs, evenly,
 // has each solved by Ipopt too, and compares the objectives. Every program of the runs counts for the KKT residual, the
 // iterations and the fallbacks. Ends with 1 if anything fails.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -96,7 +98,7 @@ Tally measure(const std::string& file, int count) {
   const int steps = static_cast<int>(loaded.scene.duration / loaded.scene.time_step);
   Comparison comparison(std::max(1, steps / std::max(1, count)));
   RunOptions options;
-  options.directory = std::filesystem::temp_directory_path() / "crease_program_benchmark";
+  options.directory = std::filesystem::temp_directory_path() / ("crease_program_benchmark_" + std::to_string(getpid()));
   options.force = true;
   options.stages = [&](const Scene& scene, const ClothSpec& spec) {
     Stages stages = make_stages(scene, spec);

@@ -4,6 +4,8 @@
 // scene's run, in the same process and on one thread, so that the machine's drift hits both. Processor time of the
 // thread; medians. Ipopt solves one program in fifty for comparison, unless told not to: on large meshes it takes
 // minutes. On request gusts blow on the sheet, which a scene has no word for, and the mesh stays from some step on.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -215,7 +217,8 @@ void Measurement::report(const std::string& scene) const {
 using Changes = std::vector<std::pair<std::string, std::string>>;
 
 void measure(const std::string& file, double until, const Changes& changes, const Wishes& wishes) {
-  const std::filesystem::path directory = std::filesystem::temp_directory_path() / "crease_step_benchmark";
+  const std::filesystem::path directory =
+      std::filesystem::temp_directory_path() / ("crease_step_benchmark_" + std::to_string(getpid()));
   Measurement measurement(wishes);
   RunOptions options;
   options.directory = directory;
