@@ -92,12 +92,45 @@ inline std::optional<double> passing_cosine(const std::array<Vec3, 3>& start, co
   return std::nullopt;
 }
 
+/// Where a point stands at a cloth: on which side of the face that is nearest to it, and how that is turned.
+struct SheetSide {
+  double sign;  ///< 1: where the face's normal points
+  Vec3 normal;
+};
+
+/// None where nothing is within `reach`, or the border is nearest. Of faces that are equally near the steepest is
+/// asked: it alone tells the sides apart where their common vertex or edge is nearest.
+inline std::optional<SheetSide> side_of(const Mesh& mesh, const Vec3& p, double reach) {
+  constexpr double same = 1e-9;  // [m]
+  double nearest = reach, steepest = 0;
+  std::optional<SheetSide> side;
+  for (int f = 0; f < mesh.n_faces(); ++f) {
+    const auto [i, j, k] = mesh.face(f);
+    const std::array<Vec3, 3> x{mesh.x[i], mesh.x[j], mesh.x[k]};
+    const Vec3 low = x[0].cwiseMin(x[1]).cwiseMin(x[2]), high = x[0].cwiseMax(x[1]).cwiseMax(x[2]);
+    if ((low - p).maxCoeff() > reach || (p - high).maxCoeff() > reach) continue;
+    const Vec3 b = closest_on_triangle(p, x);
+    const Vec3 way = p - b[0] * x[0] - b[1] * x[1] - b[2] * x[2];
+    const Vec3 normal = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
+    const double distance = way.norm(), steep = std::abs(normal.dot(way));
+    if (distance > nearest + same || (distance > nearest - same && steep <= steepest)) continue;
+    nearest = std::min(nearest, distance);
+    steepest = steep;
+    side = SheetSide{std::copysign(1.0, normal.dot(way)), normal};
+    for (int e = 0; e < 3; ++e)
+      if (b[(e + 2) % 3] == 0 && mesh.is_border(3 * f + e)) side.reset();
+  }
+  return side;
+}
+
 /// Counts what comes through tips, and tells how far the cloth gets from the wires that it has come to hang on; neither
 /// has an inside in which a penetration could be measured.
 ///
 /// A tip keeps the cloth on the side of its normal, and that is all it does (it has no shaft): the cloth has been
 /// pierced if its motion in a step carries it over the point `allowed` behind the tip, against the normal. Cloth that
 /// slips off over its border, or that has come to lean over by a right angle, has not; after that a tip is not judged.
+/// Remeshing moves the surface as well, where a vertex is taken out of a tip's way: what changes sides by that is
+/// judged as what passes.
 class Piercing {
  public:
   explicit Piercing(double allowed) : allowed_(allowed) {}
@@ -121,7 +154,9 @@ class Piercing {
     if (pending_ && arrived(cloth)) {
       for (std::size_t o = 0; o < obstacles.size(); ++o) look_at_tip(o, obstacles[o]);
       pending_ = false;
+      before_ = cloth.mesh;
     }
+    if (before_.n_faces() == 0) before_ = cloth.mesh;
     for (std::size_t o = 0; o < obstacles.size(); ++o)
       if (obstacles[o].shape->kind == ObstacleShape::Kind::Wire) look_at_wire(cloth, obstacles[o]);
   }
@@ -145,20 +180,22 @@ class Piercing {
       if (cosine > facing && !slipped_[o]) ++pierced_;
   }
 
-  /// passing_cosine() of every face that passes the point `sunk` behind the tip.
+  /// The cosines with which cloth passes the point `sunk` behind the tip: by remeshing, and in the step.
   std::vector<double> passings(std::size_t o, const PosedObstacle& obstacle, double sunk) const {
     const SharpCorner& tip = obstacle.shape->corners.front();
     const Vec3 place = tip.position - sunk * tip.normals.front();
     const Vec3 from = poses_[o].to_world(place), to = obstacle.pose.to_world(place);
+    const Vec3 n = obstacle.pose.rotation * tip.normals.front();
     std::vector<double> cosines;
+    const auto was = side_of(before_, from, allowed_), is = side_of(start_, from, allowed_);
+    if (was && is && was->sign != is->sign) cosines.push_back(is->sign * n.dot(is->normal));
     for (int f = 0; f < start_.n_faces(); ++f) {
       std::array<Vec3, 3> start, end;
       for (std::size_t k = 0; k < 3; ++k) {
         start[k] = start_.x[start_.face(f)[k]] - from;
         end[k] = end_[start_.face(f)[k]] - to;
       }
-      const auto cosine = passing_cosine(start, end, obstacle.pose.rotation * tip.normals.front());
-      if (cosine) cosines.push_back(*cosine);
+      if (const auto cosine = passing_cosine(start, end, n)) cosines.push_back(*cosine);
     }
     return cosines;
   }
@@ -181,7 +218,7 @@ class Piercing {
   }
 
   double allowed_;
-  Mesh start_;
+  Mesh before_, start_;  // of a step: before it was remeshed, and after
   std::vector<Pose> poses_;
   std::vector<Vec3> end_;
   std::vector<char> slipped_;  // by obstacle
