@@ -17,6 +17,9 @@ namespace {
 /// where waking one takes some 10 microseconds.
 constexpr double least_shared = 4e7;
 
+/// Places written at once in the list of borders: as many as most blocks have unknowns.
+constexpr int spare = 4;
+
 }  // namespace
 
 bool Multifrontal::analyze(const BlockGraph& graph, std::span<const int> order) try {
@@ -47,12 +50,9 @@ bool Multifrontal::analyze(const BlockGraph& graph, std::span<const int> order) 
 
 void Multifrontal::collect_entries() {
   const int n_blocks = graph_.n_blocks();
-  heights_.assign(static_cast<std::size_t>(n_blocks), 0);
-  values_at_.assign(static_cast<std::size_t>(n_blocks) + 1, 0);
-  for (int k = 0; k < n_blocks; ++k) {
-    for (int at = graph_.outer[k]; at < graph_.outer[k + 1]; ++at) heights_[k] += graph_.size(graph_.inner[at]);
-    values_at_[k + 1] = values_at_[k] + heights_[k] * graph_.size(k);
-  }
+  std::vector<int> sizes(static_cast<std::size_t>(n_blocks));
+  for (int k = 0; k < n_blocks; ++k) sizes[k] = graph_.size(k);
+  heights_.resize(sizes.size());
   entries_.resize(graph_.inner.size() + 1);
   entries_at_.assign(1, 0);
   int n_entries = 0;
@@ -60,49 +60,61 @@ void Multifrontal::collect_entries() {
     const int block = tree_.order[position];
     int offset = 0;
     for (int at = graph_.outer[block]; at < graph_.outer[block + 1]; ++at) {
-      const int other = graph_.inner[at];
-      entries_[n_entries] = {tree_.position[other], offset};
-      n_entries += tree_.position[other] >= position;  // which looks random: no branch
-      offset += graph_.size(other);
+      const int other = graph_.inner[at], place = tree_.position[other];
+      entries_[n_entries] = {place, offset};
+      n_entries += place >= position;  // which looks random: no branch
+      offset += sizes[other];
     }
+    heights_[block] = offset;
     entries_at_.push_back(n_entries);
   }
+  values_at_.assign(1, 0);
+  for (int k = 0; k < n_blocks; ++k) values_at_.push_back(values_at_[k] + heights_[k] * sizes[k]);
+  int most_border = spare;
+  for (const int row : tree_.rows) most_border += sizes[tree_.order[row]];
+  border_.resize(static_cast<std::size_t>(most_border));
 }
 
 /// Sizes and places of all fronts with the held unknowns left out.
 void Multifrontal::lay_out(std::span<const char> held) {
-  unknown_.clear();
-  free_at_.clear();
-  for (const int block : tree_.order) {
-    free_at_.push_back(static_cast<int>(unknown_.size()));
+  const auto n = static_cast<std::size_t>(graph_.n_unknowns());
+  unknown_.resize(n);
+  free_at_.resize(tree_.order.size() + 1);
+  int n_free = 0, n_held = 0;
+  for (std::size_t position = 0; position < tree_.order.size(); ++position) {
+    const int block = tree_.order[position];
+    free_at_[position] = n_free;
     for (int i = graph_.starts[block]; i < graph_.starts[block + 1]; ++i)
-      if (held.empty() || !held[i]) unknown_.push_back(i);
+      if (held.empty() || !held[i]) unknown_[n_free++] = i;
   }
-  free_at_.push_back(static_cast<int>(unknown_.size()));
+  free_at_.back() = n_free;
   for (int i = 0; i < graph_.n_unknowns(); ++i)
-    if (!held.empty() && held[i]) unknown_.push_back(i);
-  place_.resize(unknown_.size());
-  for (std::size_t k = 0; k < unknown_.size(); ++k) place_[unknown_[k]] = static_cast<int>(k);
+    if (!held.empty() && held[i]) unknown_[n_free + n_held++] = i;
+  place_.resize(n);
+  for (std::size_t k = 0; k < n; ++k) place_[unknown_[k]] = static_cast<int>(k);
   fronts_.resize(tree_.parent.size());
-  border_.clear();
   cost_ = {};
   std::size_t factor_size = 0;
   most_border_panels_ = 0;
+  int* border = border_.data();
   for (int s = 0; s < tree_.size(); ++s) {
     Front& front = fronts_[s];
     front.first = free_at_[tree_.first[s]];
-    front.rows_at = static_cast<int>(border_.size());
-    for (int at = tree_.rows_at[s]; at < tree_.rows_at[s + 1]; ++at)
-      for (int i = free_at_[tree_.rows[at]]; i < free_at_[tree_.rows[at] + 1]; ++i) border_.push_back(i);
-    front.shape = {free_at_[tree_.first[s + 1]] - front.first, static_cast<int>(border_.size()) - front.rows_at};
+    front.rows_at = static_cast<int>(border - border_.data());
+    for (int at = tree_.rows_at[s]; at < tree_.rows_at[s + 1]; ++at) {
+      const int first = free_at_[tree_.rows[at]], end = free_at_[tree_.rows[at] + 1];
+      for (int i = first; i < end; i += spare)  // nearly always once: no branch on how many there are
+        for (int k = 0; k < spare; ++k) border[i - first + k] = i + k;
+      border += end - first;
+    }
+    front.shape = {free_at_[tree_.first[s + 1]] - front.first,
+                   static_cast<int>(border - border_.data()) - front.rows_at};
     most_border_panels_ = std::max(most_border_panels_, front.shape.border_panels());
     front.factor_at = factor_size;
     factor_size += front.shape.factor_size();
-    for (int k = 0; k < front.shape.pivots; ++k) {
-      const double column = front.shape.pivots - k + front.shape.border;
-      cost_.entries += column;
-      cost_.flops += column * column;
-    }
+    const double below = front.shape.border, all = below + front.shape.pivots;
+    cost_.entries += (all * (all + 1) - below * (below + 1)) / 2;
+    cost_.flops += (all * (all + 1) * (2 * all + 1) - below * (below + 1) * (2 * below + 1)) / 6;
   }
   factor_.reserve(factor_size);
   place_updates();

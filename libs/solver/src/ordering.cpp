@@ -16,12 +16,26 @@ namespace {
 /// against those of minimum degree: 25 000 blocks .30 s and .26 s, 100 000 blocks 2.0 s and 2.7 s.
 constexpr int many_blocks = 50000;
 
+/// By the inner routine of AMD: what stands around it checks and symmetrises a graph that has both triangles in order.
 std::vector<int> minimum_degree_order(const BlockGraph& graph) {
-  std::vector<int> order(static_cast<std::size_t>(graph.n_blocks()));
-  if (order.empty()) return order;  // for which AMD would want an array all the same
-  const int status =
-      amd_order(graph.n_blocks(), graph.outer.data(), graph.inner.data(), order.data(), nullptr, nullptr);
-  if (status != AMD_OK && status != AMD_OK_BUT_JUMBLED) throw std::bad_alloc();
+  const int n = graph.n_blocks();
+  const auto size = static_cast<std::size_t>(n);
+  if (n == 0) return {};
+  std::vector<int> begin(size), length(size), entries(graph.inner.size() + graph.inner.size() / 5 + size);
+  int end = 0;
+  for (int k = 0; k < n; ++k) {
+    begin[k] = end;
+    for (int at = graph.outer[k]; at < graph.outer[k + 1]; ++at) {
+      entries[end] = graph.inner[at];
+      end += graph.inner[at] != k;
+    }
+    length[k] = end - begin[k];
+  }
+  std::vector<int> weight(size), next(size), order(size), head(size), elements(size), degree(size), work(size);
+  double control[AMD_CONTROL], info[AMD_INFO];
+  amd_defaults(control);
+  amd_2(n, begin.data(), entries.data(), length.data(), static_cast<int>(entries.size()), end, weight.data(),
+        next.data(), order.data(), head.data(), elements.data(), degree.data(), work.data(), control, info);
   return order;
 }
 

@@ -52,19 +52,14 @@ std::vector<int> postorder(const std::vector<int>& parent) {
   return order;
 }
 
-/// One analysis; every array is over positions until the supernodes are formed.
+/// One analysis. Columns are positions in the order given until the supernodes are numbered.
 class Analysis {
  public:
-  Analysis(const BlockGraph& graph, std::span<const int> order) : graph_(graph) {
-    tree_.order.assign(order.begin(), order.end());
-    tree_.position = inverse(tree_.order);
-  }
+  Analysis(const BlockGraph& graph, std::span<const int> order)
+      : graph_(graph), order_(order.begin(), order.end()), position_(inverse(order_)) {}
 
   SupernodeTree run() {
-    list_earlier();
-    find_elimination_tree();
-    relabel(postorder(parent_));
-    count_rows();
+    find_columns();
     form_supernodes();
     merge_supernodes();
     number_supernodes();
@@ -73,125 +68,89 @@ class Analysis {
   }
 
  private:
-  /// The positions before each that touch it. Which entries those are looks random, so no branch is taken on it.
-  void list_earlier() {
-    earlier_at_.assign(1, 0);
-    earlier_.resize(graph_.inner.size() + 1);
-    int n_listed = 0;
-    for (int k = 0; k < static_cast<int>(tree_.order.size()); ++k) {
-      const int block = tree_.order[k];
-      for (int at = graph_.outer[block]; at < graph_.outer[block + 1]; ++at) {
-        const int other = tree_.position[graph_.inner[at]];
-        earlier_[n_listed] = other;
-        n_listed += other < k;
-      }
-      earlier_at_.push_back(n_listed);
-    }
-    earlier_.resize(static_cast<std::size_t>(n_listed));
-  }
-
-  /// The positions after each that touch it, ascending.
-  struct Later {
-    std::vector<int> at, positions;
-
-    explicit Later(const Analysis& analysis) : at(analysis.earlier_at_.size(), 0), positions(analysis.earlier_.size()) {
-      for (const int k : analysis.earlier_) ++at[k + 1];
-      std::partial_sum(at.begin(), at.end(), at.begin());
-      std::vector<int> next(at.begin(), at.end() - 1);
-      for (int row = 0; row + 1 < static_cast<int>(at.size()); ++row)
-        for (const int k : analysis.earlier(row)) positions[next[k]++] = row;
-    }
-    std::span<const int> of(int k) const { return std::span(positions).subspan(at[k], at[k + 1] - at[k]); }
-  };
-
-  std::span<const int> earlier(int k) const {
-    return std::span(earlier_).subspan(static_cast<std::size_t>(earlier_at_[k]),
-                                       static_cast<std::size_t>(earlier_at_[k + 1] - earlier_at_[k]));
-  }
-
-  /// parent = first later row in the column of L, by ever shorter paths to the root so far [LIU90].
-  void find_elimination_tree() {
-    const std::size_t n = tree_.order.size();
+  /// Rows below the diagonal of each column of L: those of A, and those of the columns of which it is the first row
+  /// (its children).                                                                                      [LIU90]
+  void find_columns() {
+    const std::size_t n = order_.size();
+    std::vector<int> first_child(n, -1), next_child(n, -1), children;
+    columns_.resize(n);
     parent_.assign(n, -1);
-    std::vector<int> ancestor(n, -1);
-    for (int k = 0; k < static_cast<int>(n); ++k)
-      for (int j : earlier(k)) {
-        while (ancestor[j] >= 0 && ancestor[j] != k) j = std::exchange(ancestor[j], k);
-        if (ancestor[j] < 0) ancestor[j] = parent_[j] = k;
-      }
-  }
-
-  /// Renames positions: the one that was `former[k]` becomes k.
-  void relabel(const std::vector<int>& former) {
-    const std::vector<int> now = inverse(former);
-    std::vector<int> order, parent, earlier_at{0}, earlier;
-    earlier.reserve(earlier_.size());
-    for (const int k : former) {
-      order.push_back(tree_.order[k]);
-      parent.push_back(parent_[k] < 0 ? -1 : now[parent_[k]]);
-      for (const int j : this->earlier(k)) earlier.push_back(now[j]);
-      earlier_at.push_back(static_cast<int>(earlier.size()));
+    continues_.assign(n, -1);
+    seen_by_.assign(n, -1);
+    for (int k = 0; k < static_cast<int>(n); ++k) {
+      children.clear();
+      for (int c = first_child[k]; c >= 0; c = next_child[c]) children.push_back(c);
+      if (children.size() != 1 || children[0] != k - 1 || !take_over(k)) collect(k, children);
+      int first = static_cast<int>(n);
+      for (const int row : rows_of(k)) first = std::min(first, row);
+      if (columns_[k].size == 0) continue;
+      parent_[k] = first;
+      next_child[k] = first_child[first];
+      first_child[first] = k;
     }
-    tree_.order = std::move(order);
-    tree_.position = inverse(tree_.order);
-    parent_ = std::move(parent);
-    earlier_ = std::move(earlier);
-    earlier_at_ = std::move(earlier_at);
   }
 
-  /// Row i of L is the subtree that climbs from its entries in A up to i. It is the sum of the paths from its leaves,
-  /// less what they share: each path is added at its leaf, and taken off where it meets that of the leaf before (the
-  /// first one at i), as a step of the counts along the tree.                                         [GILBERT94]
-  void count_rows() {
-    const int n = static_cast<int>(tree_.order.size());
-    std::vector<int> first(tree_.order.size()), ancestor(tree_.order.size());  // least descendant; towards the root
-    std::iota(first.begin(), first.end(), 0);
-    std::iota(ancestor.begin(), ancestor.end(), 0);
-    for (int k = 0; k < n; ++k)
-      if (const int p = parent_[k]; p >= 0) first[p] = std::min(first[p], first[k]);
-    n_rows_.assign(tree_.order.size(), 0);
-    n_blocks_.assign(tree_.order.size(), 0);
-    const auto add = [&](int k, int row, int sign) {
-      n_rows_[k] += sign * graph_.size(tree_.order[row]);
-      n_blocks_[k] += sign;
+  /// Which rows are new looks random, so no branch is taken on it.
+  void collect(int k, const std::vector<int>& children) {
+    const std::span in_A = blocks_beside(order_[k]);
+    std::size_t most = in_A.size();
+    for (const int c : children) most += columns_[c].size;
+    const std::size_t end = k > 0 ? columns_[k - 1].at + columns_[k - 1].size : 0;
+    if (rows_.size() < end + most + 1) rows_.resize(2 * (end + most + 1));
+    int* const rows = rows_.data() + end;
+    int size = 0;
+    const auto add = [k, rows, &size, seen = seen_by_.data()](int row) {
+      rows[size] = row;
+      size += (row > k) & (seen[row] != k);
+      seen[row] = k;
     };
-    const auto root = [&](int k) {
-      while (ancestor[k] != k) k = ancestor[k] = ancestor[ancestor[k]];
-      return k;
-    };
-    std::vector<int> covered(tree_.order.size(), -1), leaf(tree_.order.size(), -1);  // by the last leaf of each row
-    const Later later(*this);
-    for (int k = 0; k < n; ++k) {
-      for (const int row : later.of(k)) {
-        if (first[k] <= covered[row]) continue;  // an entry before stands below it
-        covered[row] = first[k];
-        const int former = std::exchange(leaf[row], k);
-        add(k, row, 1);
-        add(former < 0 ? row : root(former), row, -1);
-      }
-      if (parent_[k] >= 0) ancestor[k] = parent_[k];
-    }
-    for (int k = 0; k < n; ++k)
-      if (const int p = parent_[k]; p >= 0) n_rows_[p] += n_rows_[k], n_blocks_[p] += n_blocks_[k];
+    for (const int block : in_A) add(position_[block]);
+    for (const int c : children)
+      for (const int row : rows_of(c)) add(row);
+    for (const int c : children)
+      if (columns_[c].size == size + 1) continues_[k] = c;
+    columns_[k] = {end, size};
+    stamp_ = k;
   }
 
-  /// Chains of columns of which each has the rows of the next, and that one itself.
+  /// Where k - 1 is the only child of k and has all rows that A has at k, which is the most frequent case.
+  bool take_over(int k) {
+    int n_new = 0;
+    for (const int block : blocks_beside(order_[k]))
+      n_new += (position_[block] > k) & (seen_by_[position_[block]] != stamp_);
+    if (n_new > 0) return false;
+    columns_[k] = {columns_[k - 1].at, columns_[k - 1].size - 1};
+    int* const rows = rows_.data() + columns_[k].at;
+    *std::find(rows, rows + columns_[k].size, k) = rows[columns_[k].size];
+    continues_[k] = k - 1;
+    return true;
+  }
+
+  /// Chains of columns of which each has the rows of the next, and that one itself. Numbered by their last columns, so
+  /// children before their parents.
   void form_supernodes() {
-    const int n = static_cast<int>(tree_.order.size());
-    std::vector<int> node_of(tree_.order.size());
+    const int n = static_cast<int>(order_.size());
+    std::vector<char> is_last(order_.size(), 1);
+    std::vector<int> sizes(order_.size()), pivots(order_.size());  // the latter up to each column of its chain
     for (int k = 0; k < n; ++k) {
-      const bool continues = k > 0 && parent_[k - 1] == k && n_blocks_[k - 1] == n_blocks_[k] + 1;
-      if (!continues) nodes_.push_back({k, k, 0, 0, 0});
-      nodes_.back().last = k;
-      nodes_.back().pivots += graph_.size(tree_.order[k]);
-      node_of[k] = static_cast<int>(nodes_.size()) - 1;
+      pivots[k] = sizes[k] = graph_.size(order_[k]);
+      if (const int c = continues_[k]; c >= 0) pivots[k] += pivots[c], is_last[c] = 0;
     }
-    node_parent_.resize(nodes_.size());
-    for (std::size_t s = 0; s < nodes_.size(); ++s) {
-      Node& node = nodes_[s];
-      node.border = n_rows_[node.last];
-      node.border_blocks = n_blocks_[node.last];
-      node_parent_[s] = parent_[node.last] < 0 ? -1 : node_of[parent_[node.last]];
+    node_of_.resize(order_.size());
+    nodes_.reserve(order_.size());
+    for (int k = 0; k < n; ++k)
+      if (is_last[k]) {
+        node_of_[k] = static_cast<int>(nodes_.size());
+        nodes_.push_back({k, {pivots[k], 0}, 0});
+      }
+    for (int k = n - 1; k >= 0; --k)
+      if (const int c = continues_[k]; c >= 0) node_of_[c] = node_of_[k];
+    for (Node& node : nodes_) {
+      int border = 0;
+      for (const int row : rows_of(node.last)) border += sizes[row];
+      node.shape.border = border;
+      node.time = front_time(node.shape);
+      node_parent_.push_back(parent_[node.last] < 0 ? -1 : node_of_[parent_[node.last]]);
     }
   }
 
@@ -201,17 +160,17 @@ class Analysis {
     Children children(node_parent_);
     merged_into_.resize(nodes_.size());
     std::iota(merged_into_.begin(), merged_into_.end(), 0);
+    std::vector<int> waiting;
     for (int p = 0; p < static_cast<int>(nodes_.size()); ++p) {
       Node& parent = nodes_[p];
-      std::vector<int> waiting;
       for (int c = children.first[p]; c >= 0; c = children.next[c]) waiting.push_back(c);
-      while (!waiting.empty()) {
+      for (; !waiting.empty(); waiting.pop_back()) {
         const int c = waiting.back();
-        waiting.pop_back();
-        const Node& child = nodes_[c];
-        const double apart = front_time({child.pivots, child.border}) + front_time({parent.pivots, parent.border});
-        if (front_time({child.pivots + parent.pivots, parent.border}) >= apart) continue;
-        parent.pivots += child.pivots;
+        const FrontShape both{nodes_[c].shape.pivots + parent.shape.pivots, parent.shape.border};
+        const double together = front_time(both);
+        if (together >= nodes_[c].time + parent.time) continue;
+        parent.shape = both;
+        parent.time = together;
         merged_into_[c] = p;
       }
     }
@@ -220,61 +179,81 @@ class Analysis {
   /// Final positions: a supernode's own columns after all of its subtree.
   void number_supernodes() {
     const auto n_nodes = static_cast<int>(nodes_.size());
-    for (int s = n_nodes - 1; s >= 0; --s) merged_into_[s] = merged_into_[merged_into_[s]];
-    std::vector<int> kept, kept_number(nodes_.size(), -1), kept_parent;
+    std::vector<int> kept, number(nodes_.size()), kept_parent;
     for (int s = 0; s < n_nodes; ++s)
-      if (merged_into_[s] == s) kept_number[s] = static_cast<int>(kept.size()), kept.push_back(s);
-    for (const int s : kept)
-      kept_parent.push_back(node_parent_[s] < 0 ? -1 : kept_number[merged_into_[node_parent_[s]]]);
+      if (merged_into_[s] == s) number[s] = static_cast<int>(kept.size()), kept.push_back(s);
+    for (int s = n_nodes - 1; s >= 0; --s) number[s] = number[merged_into_[s]];
+    for (const int s : kept) kept_parent.push_back(node_parent_[s] < 0 ? -1 : number[node_parent_[s]]);
     const std::vector<int> former = postorder(kept_parent);
     const std::vector<int> now = inverse(former);
-    std::vector<std::vector<int>> members(kept.size());
-    for (int s = 0; s < n_nodes; ++s) members[now[kept_number[merged_into_[s]]]].push_back(s);
-    std::vector<int> positions;
-    positions.reserve(tree_.order.size());
-    tree_.rows_at.assign(1, 0);
-    for (std::size_t s = 0; s < kept.size(); ++s) {
-      const int top = kept[former[s]];
-      tree_.first.push_back(static_cast<int>(positions.size()));
-      tree_.parent.push_back(kept_parent[former[s]] < 0 ? -1 : now[kept_parent[former[s]]]);
-      tree_.rows_at.push_back(tree_.rows_at.back() + nodes_[top].border_blocks);
-      for (const int member : members[s])
-        for (int k = nodes_[member].first; k <= nodes_[member].last; ++k) positions.push_back(k);
+    for (int& k : number) k = now[k];
+    for (const int s : former) {
+      last_nodes_.push_back(kept[s]);
+      tree_.parent.push_back(kept_parent[s] < 0 ? -1 : now[kept_parent[s]]);
     }
-    tree_.first.push_back(static_cast<int>(positions.size()));
-    relabel(positions);
+    tree_.first.assign(kept.size() + 1, 0);
+    for (const int node : node_of_) ++tree_.first[number[node] + 1];
+    std::partial_sum(tree_.first.begin(), tree_.first.end(), tree_.first.begin());
+    std::vector<int> next(tree_.first.begin(), tree_.first.end() - 1);
+    tree_.order.resize(order_.size());
+    tree_.position.resize(order_.size());
+    now_.resize(order_.size());
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      const int position = now_[k] = next[number[node_of_[k]]]++;
+      tree_.order[position] = order_[k];
+      tree_.position[order_[k]] = position;
+    }
   }
 
-  /// The climb of count_rows() once more, by supernodes; rows come in ascending order by themselves.
+  /// Of the last column of each supernode. They are sorted by going through the positions: each into the lists of all
+  /// that have it.
   void find_rows() {
-    tree_.rows.resize(static_cast<std::size_t>(tree_.rows_at.back()));
-    std::vector<int> filled(tree_.rows_at.begin(), tree_.rows_at.end() - 1), seen_by(tree_.parent.size(), -1),
-        node_of(tree_.order.size());
-    for (int s = 0; s < tree_.size(); ++s)
-      for (int k = tree_.first[s]; k < tree_.first[s + 1]; ++k) node_of[k] = s;
-    for (int i = 0; i < static_cast<int>(tree_.order.size()); ++i) {
-      seen_by[node_of[i]] = i;
-      for (const int j : earlier(i))
-        for (int s = node_of[j]; seen_by[s] != i; s = tree_.parent[s]) {
-          seen_by[s] = i;
-          tree_.rows[filled[s]++] = i;
-        }
+    tree_.rows_at.assign(1, 0);
+    std::vector<int> at(order_.size() + 1, 0);
+    for (const int s : last_nodes_) {
+      tree_.rows_at.push_back(tree_.rows_at.back() + columns_[nodes_[s].last].size);
+      for (const int row : rows_of(nodes_[s].last)) ++at[now_[row] + 1];
     }
+    std::partial_sum(at.begin(), at.end(), at.begin());
+    std::vector<int> next(at.begin(), at.end() - 1), having(static_cast<std::size_t>(at.back()));
+    for (int s = 0; s < tree_.size(); ++s)
+      for (const int row : rows_of(nodes_[last_nodes_[s]].last)) having[next[now_[row]]++] = s;
+    tree_.rows.resize(having.size());
+    std::vector<int> filled(tree_.rows_at.begin(), tree_.rows_at.end() - 1);
+    for (int row = 0; row < static_cast<int>(order_.size()); ++row)
+      for (int k = at[row]; k < at[row + 1]; ++k) tree_.rows[filled[having[k]]++] = row;
   }
 
+  struct Column {
+    std::size_t at;  ///< in rows_
+    int size;
+  };
   struct Node {
-    int first, last;    ///< positions
-    int pivots;         ///< unknowns
-    int border;         ///< unknowns below
-    int border_blocks;  ///< blocks below
+    int last;  ///< column
+    FrontShape shape;
+    double time;
   };
 
+  std::span<const int> blocks_beside(int block) const {
+    return std::span(graph_.inner).subspan(graph_.outer[block], graph_.outer[block + 1] - graph_.outer[block]);
+  }
+  std::span<const int> rows_of(int column) const {
+    return std::span(rows_).subspan(columns_[column].at, static_cast<std::size_t>(columns_[column].size));
+  }
+
   const BlockGraph& graph_;
-  SupernodeTree tree_;
-  std::vector<int> earlier_at_, earlier_;
-  std::vector<int> parent_, n_rows_, n_blocks_;
+  std::vector<int> order_, position_;
+  std::vector<int> rows_;
+  std::vector<Column> columns_;
+  std::vector<int> seen_by_;
+  int stamp_ = -1;
+  std::vector<int> parent_,
+      continues_;  ///< one a column, -1 = none; the other is the child whose chain it goes on with
   std::vector<Node> nodes_;
-  std::vector<int> node_parent_, merged_into_;
+  std::vector<int> node_of_, node_parent_, merged_into_;
+  std::vector<int> last_nodes_;  ///< the uppermost node of each supernode
+  std::vector<int> now_;         ///< final position of each column
+  SupernodeTree tree_;
 };
 
 }  // namespace
