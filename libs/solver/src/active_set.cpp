@@ -44,10 +44,10 @@ class Strides {
 }  // namespace
 
 QpResult ActiveSetSolver::solve(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) {
-  require_valid(problem, options, guess, &reduction_.pattern());
+  const Checked checked = require_valid(problem, options, guess, &reduction_.pattern());
   if (std::optional<QpResult> rest = solve_at_rest(problem)) return *std::move(rest);
   QpResult result;
-  if (!reduction_.build(problem)) {
+  if (!reduction_.build(problem, checked)) {
     result.status = QpStatus::Infeasible;
     result.message = "constraints of one block contradict each other";
     return result;

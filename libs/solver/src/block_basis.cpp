@@ -21,18 +21,16 @@ constexpr double same_normal = 1e-12;
 /// the basis is about its reciprocal, so smaller angles go to the general rows instead.
 constexpr double least_angle = 1e-2;
 
-/// Removes from `a` its part in the rows of the orthonormal `Q`; twice, because once leaves rounding of |a|.
+/// Removes from `a` its part in the columns of the orthonormal `Q`; twice, because once leaves rounding of |a|.
 SmallVector project_off(const SmallMatrix& Q, SmallVector a) {
-  for (int pass = 0; pass < 2; ++pass) {
-    const SmallVector inside = Q.lazyProduct(a);
-    a -= Q.transpose().lazyProduct(inside);
-  }
+  for (int pass = 0; pass < 2; ++pass)
+    for (int k = 0; k < Q.cols(); ++k) a -= Q.col(k).dot(a) * Q.col(k);
   return a;
 }
 
-void append_row(SmallMatrix& A, const SmallVector& row) {
-  A.conservativeResize(A.rows() + 1, row.size());
-  A.row(A.rows() - 1) = row.transpose();
+void append_column(SmallMatrix& A, const SmallVector& column) {
+  A.conservativeResize(Eigen::NoChange, A.cols() + 1);
+  A.rightCols<1>() = column;
 }
 
 void append(SmallVector& v, double value) {
@@ -41,35 +39,36 @@ void append(SmallVector& v, double value) {
 }
 
 struct EqualityPart {
-  SmallMatrix Q;
+  SmallMatrix Q;  ///< its columns span the equalities' normals
   SmallVector q;  ///< the point of the span that meets them
 };
 
 /// Picks the row farthest from those picked, until none is left that is independent; the rest has to agree.
 EqualityPart add_equalities(BlockBasis& basis, int size, const std::vector<LocalRow>& rows, double q_scale) {
-  EqualityPart part{SmallMatrix(0, size), SmallVector::Zero(size)};
-  std::vector<char> used(rows.size(), 0);
-  while (part.Q.rows() < size) {
+  EqualityPart part{SmallMatrix(size, 0), SmallVector::Zero(size)};
+  std::vector<SmallVector> rest;  // of each row outside the span of those picked
+  for (const LocalRow& row : rows) rest.push_back(row.a);
+  while (part.Q.cols() < size) {
     int best = -1;
     double best_length = dependent_share;
-    for (size_t i = 0; i < rows.size(); ++i) {
-      const double length = used[i] ? 0.0 : project_off(part.Q, rows[i].a).norm();
-      if (length > best_length) best = static_cast<int>(i), best_length = length;
-    }
+    for (size_t i = 0; i < rows.size(); ++i)
+      if (const double length = rest[i].norm(); length > best_length) best = static_cast<int>(i), best_length = length;
     if (best < 0) break;
-    used[best] = 1;
     basis.eq.push_back(rows[best]);
-    append_row(part.Q, project_off(part.Q, rows[best].a).normalized());
+    const SmallVector direction = project_off(part.Q, rows[best].a).normalized();
+    append_column(part.Q, direction);
+    rest[best].setZero();
+    for (SmallVector& a : rest) a -= direction.dot(a) * direction;
   }
-  const auto n_eq = part.Q.rows();
+  const auto n_eq = part.Q.cols();
   basis.L = SmallMatrix::Zero(n_eq, n_eq);
   basis.fixed = SmallVector::Zero(n_eq);
   for (int i = 0; i < n_eq; ++i) {
-    basis.L.row(i) = (part.Q * basis.eq[i].a).transpose();
+    basis.L.row(i) = basis.eq[i].a.transpose().lazyProduct(part.Q);
     const double known = basis.L.row(i).head(i) * basis.fixed.head(i);
     basis.fixed[i] = (basis.eq[i].b - known) / basis.L(i, i);
   }
-  part.q = part.Q.transpose() * basis.fixed;
+  part.q = part.Q.lazyProduct(basis.fixed);
   for (const LocalRow& row : rows) {
     const double scale = std::max({std::abs(row.b), part.q.norm(), q_scale});
     if (std::abs(row.a.dot(part.q) - row.b) > mismatch_tolerance * scale) basis.conflict = true;
@@ -112,16 +111,16 @@ std::vector<Reduced> reduce(BlockBasis& basis, const EqualityPart& eq, const std
 /// tightest one does.
 SmallMatrix add_inequalities(BlockBasis& basis, const EqualityPart& eq, const std::vector<LocalRow>& rows,
                              double q_scale) {
-  const int size = static_cast<int>(eq.Q.cols());
+  const int size = static_cast<int>(eq.Q.rows());
   basis.owner.assign(rows.size(), BlockBasis::surplus);
   const std::vector<Reduced> reduced = reduce(basis, eq, rows, q_scale);
-  SmallMatrix N(0, size), span = eq.Q;
-  basis.coupling.resize(0, eq.Q.rows());
+  SmallMatrix N(size, 0), span = eq.Q;
+  basis.coupling.resize(0, eq.Q.cols());
   basis.length.resize(0);
   basis.lower.resize(0);
   for (size_t i = 0; i < rows.size(); ++i) {
     if (basis.owner[i] != BlockBasis::surplus || reduced[i].same_as != static_cast<int>(i)) continue;
-    if (span.rows() == size) break;
+    if (span.cols() == size) break;
     const SmallVector outside = project_off(span, reduced[i].normal);
     if (outside.norm() < least_angle) continue;
     size_t tightest = i;
@@ -131,30 +130,26 @@ SmallMatrix add_inequalities(BlockBasis& basis, const EqualityPart& eq, const st
       if (reduced[j].lower > reduced[tightest].lower) tightest = j;
     }
     basis.in.push_back(rows[tightest]);
-    append_row(N, reduced[tightest].normal);
-    append_row(basis.coupling, SmallVector(eq.Q * rows[tightest].a));
+    append_column(N, reduced[tightest].normal);
+    basis.coupling.conservativeResize(N.cols(), Eigen::NoChange);
+    basis.coupling.bottomRows<1>() = rows[tightest].a.transpose().lazyProduct(eq.Q);
     append(basis.length, reduced[tightest].length);
     append(basis.lower, reduced[tightest].lower);
-    append_row(span, outside.normalized());
+    append_column(span, outside.normalized());
   }
   return N;
 }
 
-/// Orthonormal rows that complete `span`, grown from the unit vectors farthest from it.
-SmallMatrix complete(SmallMatrix span) {
-  const auto size = span.cols();
-  SmallMatrix Z(0, size);
-  while (span.rows() < size) {
-    SmallVector best = SmallVector::Zero(size);
-    for (int k = 0; k < size; ++k) {
-      const SmallVector rest = project_off(span, SmallVector::Unit(size, k));
-      // A clear win only, so that rounding does not decide between equals.
-      if (rest.norm() > best.norm() * (1 + 1e-6)) best = rest;
-    }
-    append_row(Z, best.normalized());
-    append_row(span, best.normalized());
+/// Appends orthonormal columns until there is a basis, grown from the unit vectors farthest from those before.
+void complete(SmallMatrix& span) {
+  const auto size = span.rows();
+  while (span.cols() < size) {
+    const SmallVector left = SmallVector::Ones(size) - span.rowwise().squaredNorm();  // |unit vector outside|^2
+    int farthest = 0;
+    for (int k = 1; k < size; ++k)  // a clear win only, so that rounding does not decide between equals
+      if (left[k] > left[farthest] * (1 + 1e-6)) farthest = k;
+    append_column(span, project_off(span, SmallVector::Unit(size, farthest)).normalized());
   }
-  return Z;
 }
 
 /// The commonest case by far: a vertex of three unknowns on one face.
@@ -184,16 +179,16 @@ BlockBasis make_block_basis(int size, const std::vector<LocalRow>& equalities,
   BlockBasis basis;
   const EqualityPart eq = add_equalities(basis, size, equalities, q_scale);
   const SmallMatrix N = add_inequalities(basis, eq, inequalities, q_scale);
+  const auto n_eq = eq.Q.cols(), n_in = N.cols();
   SmallMatrix span = eq.Q;
-  for (int i = 0; i < N.rows(); ++i) append_row(span, project_off(span, N.row(i).transpose()).normalized());
-  const SmallMatrix Z = complete(span);
-  basis.T.resize(size, size);
-  basis.T.leftCols(eq.Q.rows()) = eq.Q.transpose();
-  if (N.rows() > 0) {
-    const MatX gram = N * N.transpose();
-    basis.T.middleCols(eq.Q.rows(), N.rows()) = gram.llt().solve(MatX(N)).transpose();
+  for (int i = 0; i < n_in; ++i) append_column(span, project_off(span, N.col(i)).normalized());
+  complete(span);
+  basis.T = span;
+  if (n_in == 1) basis.T.col(n_eq) = N;
+  if (n_in > 1) {
+    const SmallMatrix gram = N.transpose().lazyProduct(N);
+    basis.T.middleCols(n_eq, n_in) = gram.llt().solve(SmallMatrix(N.transpose())).transpose();
   }
-  basis.T.rightCols(Z.rows()) = Z.transpose();
   return basis;
 }
 

@@ -20,7 +20,7 @@ constexpr double tiny_scale = 1e-300;  ///< stands in for a scale of zero
 /// f than rounding of |H| |q|, some 1e-13 of it, which has to be a residual below any tolerance asked for (1e-8).
 constexpr double cancellation_share = 1e-5;
 
-double max_abs(const VecX& v) {
+double max_abs(const Eigen::Ref<const VecX>& v) {
   return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
 }
 
@@ -47,17 +47,26 @@ bool has_sorted_lines(const Sparse& A) {
   return true;
 }
 
-/// How much two mirror images may differ.
-double symmetry_slack(const SparseMatrix& H) {
-  return H.nonZeros() == 0 ? 0.0 : symmetry_tolerance * H.coeffs().abs().maxCoeff();
+/// Size of the largest entry, all of which have to be finite.
+double require_finite(const SparseMatrix& H) {
+  constexpr Eigen::Index piece = 1024;  // stays in the nearest cache between the two looks at it
+  double largest = 0;
+  bool finite = true;
+  for (Eigen::Index at = 0; at < H.nonZeros(); at += piece) {
+    const Eigen::Map<const VecX> entries(H.valuePtr() + at, std::min(piece, H.nonZeros() - at));
+    finite = finite && is_finite(entries.data(), entries.size());
+    largest = std::max(largest, max_abs(entries));
+  }
+  require(finite, "QpProblem: expected finite H and f");
+  return largest;
 }
 
 /// Walks the columns in order; entry (r, c) below the diagonal must meet its mirror as the next one of column r.
-bool is_symmetric(const SparseMatrix& H) {
+/// @param slack  how much the two may differ
+bool is_symmetric(const SparseMatrix& H, double slack) {
   const int* outer = H.outerIndexPtr();
   const int* inner = H.innerIndexPtr();
   const double* value = H.valuePtr();
-  const double slack = symmetry_slack(H);
   std::vector<int> next(outer, outer + H.outerSize());
   for (int c = 0; c < H.outerSize(); ++c) {
     int at = next[c];
@@ -82,21 +91,24 @@ void require_rows(const SparseRows& A, const VecX& b, Eigen::Index n, const std:
   require(is_finite(A) && is_finite(b.data(), b.size()), "QpProblem: expected finite A_" + name + " and b_" + name);
 }
 
-void require_matrix(const QpProblem& problem) {
+/// Returns the size of its largest entry.
+double require_matrix(const QpProblem& problem) {
   const Eigen::Index n = problem.f.size();
   const SparseMatrix& H = problem.H;
   require(H.rows() == n && H.cols() == n, "QpProblem: expected H of size " + std::to_string(n) + ", got " +
                                               std::to_string(H.rows()) + " x " + std::to_string(H.cols()));
   require(H.isCompressed() && has_sorted_lines(H), "QpProblem: expected H compressed, rows ascending in each column");
-  require(is_finite(H), "QpProblem: expected finite H and f");
-  require(is_symmetric(H), "QpProblem: expected H symmetric with both triangles stored");
+  const double largest = require_finite(H);
+  require(is_symmetric(H, symmetry_tolerance * largest), "QpProblem: expected H symmetric with both triangles stored");
+  return largest;
 }
 
 /// The same where the pattern is known to be right.
-void require_values(const SparseMatrix& H, const BlockPattern& pattern) {
-  require(is_finite(H), "QpProblem: expected finite H and f");
-  require(pattern.is_full() ? pattern.asymmetry(H) <= symmetry_slack(H) : is_symmetric(H),
+double require_values(const SparseMatrix& H, const BlockPattern& pattern) {
+  const double largest = require_finite(H), slack = symmetry_tolerance * largest;
+  require(pattern.is_full() ? pattern.asymmetry(H) <= slack : is_symmetric(H, slack),
           "QpProblem: expected H symmetric with both triangles stored");
+  return largest;
 }
 
 /// All but H.
@@ -192,18 +204,17 @@ void require_valid(const QpProblem& problem) {
   require_rest(problem);
 }
 
-void require_valid(const QpProblem& problem, const QpOptions& options, std::span<const char> guess,
-                   const BlockPattern* former) {
-  if (former != nullptr && former->is_that_of(problem) && problem.f.size() == problem.H.cols())
-    require_values(problem.H, *former);
-  else
-    require_matrix(problem);
+Checked require_valid(const QpProblem& problem, const QpOptions& options, std::span<const char> guess,
+                      const BlockPattern* former) {
+  const bool same = former != nullptr && former->is_that_of(problem) && problem.f.size() == problem.H.cols();
+  const double largest = same ? require_values(problem.H, *former) : require_matrix(problem);
   require_rest(problem);
   require(options.tolerance > 0 && options.max_iterations > 0,
           "QpSolver: expected a positive tolerance and iteration budget");
   require(guess.empty() || static_cast<Eigen::Index>(guess.size()) == problem.b_in.size(),
           "QpSolver: expected a guess for each of " + std::to_string(problem.b_in.size()) + " inequalities, got " +
               std::to_string(guess.size()));
+  return {largest, same};
 }
 
 std::optional<QpResult> solve_at_rest(const QpProblem& problem) {

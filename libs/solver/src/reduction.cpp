@@ -45,12 +45,12 @@ void change_basis(const double* from, double* to, int height, int rows, int colu
 
 }  // namespace
 
-bool Reduction::build(const QpProblem& problem) {
+bool Reduction::build(const QpProblem& problem, const Checked& checked) {
   qp_.graph = &pattern_.graph();
-  if (pattern_.update(problem)) make_block_matrix(pattern_.graph()).swap(qp_.H);
+  if (!checked.same_pattern && pattern_.update(problem)) make_block_matrix(pattern_.graph()).swap(qp_.H);
   n_eq_ = static_cast<int>(problem.b_eq.size());
   n_in_ = static_cast<int>(problem.b_in.size());
-  largest_ = problem.H.nonZeros() == 0 ? 0.0 : problem.H.coeffs().abs().maxCoeff();
+  largest_ = checked.largest;
   q_scale_ = std::max(max_abs(problem.b_eq), max_abs(problem.b_in));
   if (largest_ > 0) q_scale_ = std::max(q_scale_, max_abs(problem.f) / largest_);
   const auto n_blocks = static_cast<size_t>(pattern_.n_blocks());

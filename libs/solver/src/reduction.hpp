@@ -7,6 +7,7 @@
 
 #include "block_basis.hpp"
 #include "block_pattern.hpp"
+#include "entry.hpp"
 
 namespace crease {
 
@@ -49,7 +50,7 @@ struct Multipliers {
 class Reduction {
  public:
   /// @return false if constraints of a single block contradict each other; reduced() is then not usable
-  bool build(const QpProblem& problem);
+  bool build(const QpProblem& problem, const Checked& checked);
   const ReducedQp& reduced() const { return qp_; }
   const BlockPattern& pattern() const { return pattern_; }
 
