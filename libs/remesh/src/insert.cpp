@@ -218,11 +218,11 @@ int split_at(Conforming& c, int face, const SurfacePoint& point) {
   for (int k = 0; k < 3; ++k) {
     const int h = 3 * face + k;
     const Vec2 start = c.mesh().X[c.mesh().from(h)], e = c.mesh().X[c.mesh().to(h)] - start;
-    if (cross2(e, point.X - start) / e.norm() > c.merge(adopt_share)) continue;
+    const double height = cross2(e, point.X - start) / e.norm();
+    if (height > c.merge(adopt_share)) continue;
     const double t = e.dot(point.X - start) / e.squaredNorm();
     if (c.mesh().is_border(h) || c.mesh().tag(h) != 0 || !c.mesh().can_split(h, t)) continue;
-    if (cross2(e, point.X - start) / e.norm() > c.merge(least_gap_share) &&
-        strain_gained_by_split(c.mesh(), h, {point.X, point.x}) > unfelt_strain)
+    if (height > c.merge(least_gap_share) && strain_gained_by_split(c.mesh(), h, {point.X, point.x}) > unfelt_strain)
       continue;
     const int v = c.editor.split(h, t).vertex;
     if (can_slide(c.mesh(), v, point.X)) {

@@ -74,6 +74,11 @@ bool runs_into_chain(const Conforming& c, int v) {
   return passes_by(c, v, mesh.X[v], feature, reach);
 }
 
+// Of two that run into each other one is enough.
+bool gives_way_to(const Conforming& c, int v, int u) {
+  return c.cloth().feature[u].kind == FeatureKind::Corner || u < v;
+}
+
 }  // namespace
 
 bool is_parted(const Conforming& c, const FeatureId& feature, const Vec3& x, int u) {
@@ -105,11 +110,6 @@ bool passes_by(const Conforming& c, int vertex, const Vec2& P, const FeatureId& 
     }
   }
   return false;
-}
-
-// Of two that run into each other one is enough.
-static bool gives_way_to(const Conforming& c, int v, int u) {
-  return c.cloth().feature[u].kind == FeatureKind::Corner || u < v;
 }
 
 // A fold that has lifted off is led by nothing, and gives way to whatever else rides beside it. So does what a chain

@@ -111,6 +111,8 @@ RemeshResult adapt(const Cloth& cloth, const AdaptOptions& options, std::span<co
 /// chain has come within `merge` of a border that runs along it). A new EOL vertex stays where the surface is, up to a
 /// quarter of `snap` from its feature: the gap is the solver's to close. It takes the world velocity of the cloth
 /// there, as much of it as possible in Xdot (Eq. 13 with the real A_eq). Momentum and energy are kept as by adapt().
+/// What it releases from a feature that is still there it notes in Cloth::left, where no chain begins again: whoever
+/// advances the cloth drops those notes when they are old enough.
 RemeshResult conform(const Cloth& cloth, std::span<const Contact> contacts, std::span<const PosedObstacle> obstacles,
                      const ConformOptions& options);
 
