@@ -15,11 +15,15 @@ namespace {
 struct Sum {
   double area = 0, strain = 0;
 
-  // |S - I|^2 of the stretches s1, s2, by their sum and product.
+  // |S - I|^2 of the stretches s1, s2, by their sum and product; no strain leads to a face that is turned over.
   void add(const std::array<Vec2, 3>& X, const std::array<Vec3, 3>& x) {
+    const double A = 0.5 * orient2d(X[0], X[1], X[2]);
+    if (!(A > 0)) {
+      strain = HUGE_VAL;
+      return;
+    }
     const Mat32 F = deformation_gradient(X, x);
     const double squares = F.squaredNorm(), product = F.col(0).cross(F.col(1)).norm();
-    const double A = 0.5 * orient2d(X[0], X[1], X[2]);
     area += A;
     strain += A * (squares - 2 * std::sqrt(squares + 2 * product) + 2);
   }
