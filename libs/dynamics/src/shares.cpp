@@ -8,6 +8,9 @@ namespace crease {
 
 namespace {
 
+/// Time that an Eulerian vertex takes with the elements about it, in that of others (measured at 3000 and 12000 faces).
+constexpr int eol_weight = 7;
+
 /// The share of each vertex; tied vertices go with the one that owns their unknowns.
 std::vector<int> cut_into_strips(const Mesh& mesh, const DofMap& dofs, int n_shares) {
   const int n = mesh.n_vertices();
@@ -24,7 +27,13 @@ std::vector<int> cut_into_strips(const Mesh& mesh, const DofMap& dofs, int n_sha
   std::sort(sorted.begin(), sorted.end(), [&](int a, int b) {
     return mesh.X[a][axis] != mesh.X[b][axis] ? mesh.X[a][axis] < mesh.X[b][axis] : a < b;
   });
-  for (int k = 0; k < n; ++k) share[sorted[k]] = static_cast<int>(static_cast<long long>(k) * n_shares / n);
+  const auto weight = [&](int v) { return dofs.is_eol(v) ? eol_weight : 1; };
+  long long all = 0, before = 0;
+  for (int v = 0; v < n; ++v) all += weight(v);
+  for (const int v : sorted) {
+    share[v] = static_cast<int>(before * n_shares / all);
+    before += weight(v);
+  }
   for (int v = 0; v < n; ++v) share[v] = share[dofs.owner(v)];  // the owner is the lowest
   return share;
 }

@@ -17,7 +17,7 @@ struct Share {
   std::vector<int> plain_hinges, eol_hinges;  ///< without and with an Eulerian vertex
 };
 
-/// Strips of the sheet with equally many vertices, across its longer side.
+/// Strips of the sheet that take about the same time, across its longer side.
 std::vector<Share> share_out(const Mesh& mesh, const DofMap& dofs, const BlockPattern& pattern, int n_shares);
 
 }  // namespace crease
