@@ -288,26 +288,6 @@ TEST(Conform, BeginsToRideOnATipFromALittleBehindIt) {
   }
 }
 
-// Exactly on one side of a face and near another: split there, the face would lose its area. It was not asked what
-// strain such a face has; then no vertex came to be.
-TEST(Conform, BeginsToRideWhereATipIsOnOneSideOfAFaceAndNearAnother) {
-  const ObstacleShape tip = make_point(Vec3::UnitZ());
-  PosedObstacle posed{&tip, {}};
-  for (const Vec2& aside : {Vec2(1, 1), Vec2(-1, -1)}) {
-    const Vec2 P = Vec2(0.5, 0.5) + 0.0021 * aside;  // .3 of `merge` from a vertex, .21 from two sides
-    posed.pose.position = Vec3(P.x(), P.y(), 0);
-    for (int first = 0; first < 2; ++first) {
-      Cloth cloth = make_cloth(make_grid({.size = {1, 1}, .cells = {8, 8}, .pattern = GridPattern::Right}));
-      std::vector<Contact> contacts = Detector().detect(cloth, {&posed, 1}, {1e-3, 5e-3});
-      std::erase_if(contacts, [](const Contact& contact) { return contact.type != ContactType::CornerFace; });
-      if (first != 0) std::reverse(contacts.begin(), contacts.end());
-      const RemeshResult result = conform(cloth, contacts, {&posed, 1}, {});
-      EXPECT_EQ(result.cloth.n_eol(), 1);
-      EXPECT_TRUE(result.report.refusals.empty());
-    }
-  }
-}
-
 TEST(Conform, FollowsANailThroughTheMaterial) {
   ObstacleShape nail;
   nail.kind = ObstacleShape::Kind::Point;

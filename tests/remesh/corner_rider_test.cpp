@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// How many vertices may ride on one corner: one a layer of cloth.
+// How many vertices may ride on one corner: one a layer of cloth; and that one does where a side of a face is near.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "crease/collision/detect.hpp"
 #include "crease/geometry/grid.hpp"
 #include "crease/remesh/remesh.hpp"
 
@@ -101,6 +102,26 @@ TEST(CornerRider, LetsGoWhereASecondOneHasComeNear) {
     EXPECT_EQ(result.report.released, merge > 0.15 ? 1 : 0);
     EXPECT_LE((motion(result.cloth).linear - before.linear).norm(), 1e-12);
     EXPECT_LE(motion(result.cloth).kinetic, before.kinetic * (1 + 1e-12));
+  }
+}
+
+// Exactly on one side of a face and near another: split there, the face would lose its area. It was not asked what
+// strain such a face has; then no vertex came to be.
+TEST(CornerRider, BeginsToRideWhereATipIsOnOneSideOfAFaceAndNearAnother) {
+  const ObstacleShape tip = make_point(Vec3::UnitZ());
+  PosedObstacle posed{&tip, {}};
+  for (const Vec2& aside : {Vec2(1, 1), Vec2(-1, -1)}) {
+    const Vec2 P = Vec2(0.5, 0.5) + 0.0021 * aside;  // .3 of `merge` from a vertex, .21 from two sides
+    posed.pose.position = Vec3(P.x(), P.y(), 0);
+    for (int first = 0; first < 2; ++first) {
+      Cloth cloth = make_cloth(make_grid({.size = {1, 1}, .cells = {8, 8}, .pattern = GridPattern::Right}));
+      std::vector<Contact> contacts = Detector().detect(cloth, {&posed, 1}, {1e-3, 5e-3});
+      std::erase_if(contacts, [](const Contact& contact) { return contact.type != ContactType::CornerFace; });
+      if (first != 0) std::reverse(contacts.begin(), contacts.end());
+      const RemeshResult result = conform(cloth, contacts, {&posed, 1}, {});
+      EXPECT_EQ(result.cloth.n_eol(), 1);
+      EXPECT_TRUE(result.report.refusals.empty());
+    }
   }
 }
 
