@@ -229,7 +229,13 @@ TEST_P(EachCholesky, RefusesMalformedGraphs) {
   refuses([](BlockGraph& g) { g.inner[0] = -1; });
   refuses([](BlockGraph& g) { g.inner.back() = 4; });
   refuses([](BlockGraph& g) { std::swap(g.inner[0], g.inner[1]); });
-  refuses([](BlockGraph& g) { g.inner[1] = 2; });  // 2 touches 0, but 0 does not touch 2
+  refuses([](BlockGraph& g) { g.inner[1] = 2; });                        // 2 touches 0, but 0 does not touch 2
+  refuses([](BlockGraph& g) { g.inner.pop_back(), --g.outer.back(); });  // 3 does not touch itself
+  refuses([](BlockGraph& g) { g.inner.push_back(3), ++g.outer.back(); });
+  refuses([](BlockGraph& g) {  // 3 touches 0, but 0 does not touch 3
+    g.inner.insert(g.inner.end() - 2, 0);
+    ++g.outer.back();
+  });
 }
 
 TEST(Cholesky, CountsAtLeastTheFlopsThatItsOrderTakes) {

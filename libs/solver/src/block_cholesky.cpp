@@ -12,22 +12,20 @@
 namespace crease {
 namespace {
 
-/// Whether the columns are ascending, hold their diagonal, and each entry has its mirror image.
+/// Whether the columns are ascending, hold their diagonal, and each entry has its mirror image: those above the
+/// diagonal are met, in order, as the images of those below it in earlier columns.
 bool is_symmetric_graph(const BlockGraph& graph) {
   const int n = graph.n_blocks();
-  std::vector<int> next(graph.outer.begin(), graph.outer.end() - 1);  // entry of each column whose mirror comes next
+  const int* const inner = graph.inner.data();
+  const int* const outer = graph.outer.data();
+  std::vector<int> next(outer, outer + n);  // entry of each column that is to be met next
   for (int c = 0; c < n; ++c) {
-    if (graph.outer[c] > graph.outer[c + 1]) return false;
-    bool diagonal = false;
-    int former = -1;
-    for (int at = graph.outer[c]; at < graph.outer[c + 1]; ++at) {
-      const int row = graph.inner[at];
-      if (row <= former || row >= n) return false;
-      if (next[row] >= graph.outer[row + 1] || graph.inner[next[row]++] != c) return false;
-      diagonal = diagonal || row == c;
+    if (next[c] >= outer[c + 1] || inner[next[c]] != c) return false;
+    for (int at = next[c] + 1, former = c; at < outer[c + 1]; ++at) {
+      const int row = inner[at];
+      if (row <= former || row >= n || next[row] >= outer[row + 1] || inner[next[row]++] != c) return false;
       former = row;
     }
-    if (!diagonal) return false;
   }
   return true;
 }

@@ -41,7 +41,9 @@ bool Multifrontal::analyze(const BlockGraph& graph, std::span<const int> order) 
   collect_entries();
   updates_.resize(1);
   worker_.assign(tree_.parent.size(), 0);
-  lay_out({});
+  fronts_.resize(tree_.parent.size());
+  for (int s = 0; s < tree_.size(); ++s) fronts_[s].shape = tree_.shapes[s];
+  place_fronts();
   if (n_threads_ > 1) share_out();
   return true;
 } catch (const std::bad_alloc&) {
@@ -55,31 +57,33 @@ void Multifrontal::collect_entries() {
   heights_.resize(sizes.size());
   entries_.resize(graph_.inner.size() + 1);
   entries_at_.assign(1, 0);
-  int n_entries = 0;
+  const int* const inner = graph_.inner.data();  // what is written might be any of the class' numbers
+  const int* const places = tree_.position.data();
+  Entry* entry = entries_.data();
   for (int position = 0; position < n_blocks; ++position) {
-    const int block = tree_.order[position];
+    const int block = tree_.order[position], end = graph_.outer[block + 1];
     int offset = 0;
-    for (int at = graph_.outer[block]; at < graph_.outer[block + 1]; ++at) {
-      const int other = graph_.inner[at], place = tree_.position[other];
-      entries_[n_entries] = {place, offset};
-      n_entries += place >= position;  // which looks random: no branch
+    for (int at = graph_.outer[block]; at < end; ++at) {
+      const int other = inner[at], place = places[other];
+      *entry = {place, offset};
+      entry += place >= position;  // which looks random: no branch
       offset += sizes[other];
     }
     heights_[block] = offset;
-    entries_at_.push_back(n_entries);
+    entries_at_.push_back(static_cast<int>(entry - entries_.data()));
   }
   values_at_.assign(1, 0);
   for (int k = 0; k < n_blocks; ++k) values_at_.push_back(values_at_[k] + heights_[k] * sizes[k]);
   int most_border = spare;
-  for (const int row : tree_.rows) most_border += sizes[tree_.order[row]];
+  for (const FrontShape& shape : tree_.shapes) most_border += shape.border;
   border_.resize(static_cast<std::size_t>(most_border));
+  unknown_.resize(static_cast<std::size_t>(graph_.n_unknowns()));
+  place_.resize(unknown_.size());
+  free_at_.resize(sizes.size() + 1);
 }
 
 /// Sizes and places of all fronts with the held unknowns left out.
 void Multifrontal::lay_out(std::span<const char> held) {
-  const auto n = static_cast<std::size_t>(graph_.n_unknowns());
-  unknown_.resize(n);
-  free_at_.resize(tree_.order.size() + 1);
   int n_free = 0, n_held = 0;
   for (std::size_t position = 0; position < tree_.order.size(); ++position) {
     const int block = tree_.order[position];
@@ -90,12 +94,7 @@ void Multifrontal::lay_out(std::span<const char> held) {
   free_at_.back() = n_free;
   for (int i = 0; i < graph_.n_unknowns(); ++i)
     if (!held.empty() && held[i]) unknown_[n_free + n_held++] = i;
-  place_.resize(n);
-  for (std::size_t k = 0; k < n; ++k) place_[unknown_[k]] = static_cast<int>(k);
-  fronts_.resize(tree_.parent.size());
-  cost_ = {};
-  std::size_t factor_size = 0;
-  most_border_panels_ = 0;
+  for (std::size_t k = 0; k < unknown_.size(); ++k) place_[unknown_[k]] = static_cast<int>(k);
   int* border = border_.data();
   for (int s = 0; s < tree_.size(); ++s) {
     Front& front = fronts_[s];
@@ -109,6 +108,15 @@ void Multifrontal::lay_out(std::span<const char> held) {
     }
     front.shape = {free_at_[tree_.first[s + 1]] - front.first,
                    static_cast<int>(border - border_.data()) - front.rows_at};
+  }
+  place_fronts();
+}
+
+void Multifrontal::place_fronts() {
+  cost_ = {};
+  std::size_t factor_size = 0;
+  most_border_panels_ = 0;
+  for (Front& front : fronts_) {
     most_border_panels_ = std::max(most_border_panels_, front.shape.border_panels());
     front.factor_at = factor_size;
     factor_size += front.shape.factor_size();

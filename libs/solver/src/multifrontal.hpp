@@ -63,6 +63,8 @@ class Multifrontal final : public BlockCholesky {
   /// stack while its own is put on the other.
   using Stacks = std::array<AlignedBuffer, 2>;
 
+  /// In memory, and what all fronts of these shapes cost.
+  void place_fronts();
   void place_updates();
   void share_out();
   double* update_of(int s) const { return updates_[worker_[s]][depth_[s] % 2].data() + fronts_[s].update_at; }

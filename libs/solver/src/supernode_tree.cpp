@@ -52,6 +52,20 @@ std::vector<int> postorder(const std::vector<int>& parent) {
   return order;
 }
 
+struct Rows {
+  std::size_t at, size;
+};
+
+/// Columns of L from `first` to `end`, each of which has the rows of the next, and that one itself. Numbered children
+/// before their parents.
+struct Node {
+  int first, end;
+  int parent;  ///< first row, or the number of columns
+  Rows rows;   ///< of the last one
+  FrontShape shape;
+  double time;
+};
+
 /// One analysis. Columns are positions in the order given until the supernodes are numbered.
 class Analysis {
  public:
@@ -59,104 +73,102 @@ class Analysis {
       : graph_(graph), order_(order.begin(), order.end()), position_(inverse(order_)) {}
 
   SupernodeTree run() {
-    find_columns();
-    form_supernodes();
-    merge_supernodes();
+    find_nodes();
+    find_shapes();
+    merge_nodes();
     number_supernodes();
     find_rows();
     return std::move(tree_);
   }
 
  private:
-  /// Rows below the diagonal of each column of L: those of A, and those of the columns of which it is the first row
-  /// (its children).                                                                                      [LIU90]
-  void find_columns() {
-    const std::size_t n = order_.size();
-    std::vector<int> first_child(n, -1), next_child(n, -1), children;
-    columns_.resize(n);
-    parent_.assign(n, -1);
-    continues_.assign(n, -1);
-    seen_by_.assign(n, -1);
-    for (int k = 0; k < static_cast<int>(n); ++k) {
-      children.clear();
-      for (int c = first_child[k]; c >= 0; c = next_child[c]) children.push_back(c);
-      if (children.size() != 1 || children[0] != k - 1 || !take_over(k)) collect(k, children);
-      int first = static_cast<int>(n);
-      for (const int row : rows_of(k)) first = std::min(first, row);
-      if (columns_[k].size == 0) continue;
-      parent_[k] = first;
-      next_child[k] = first_child[first];
-      first_child[first] = k;
+  /// Rows below the diagonal of a column of L: those of A, and those of the columns of which it is the first row (its
+  /// children) [LIU90]. As long as the next column has all its own among them, and no other child, the two share a
+  /// node.
+  void find_nodes() {
+    const auto n = static_cast<int>(order_.size());
+    std::vector<int> first_child(order_.size(), -1), next_child;  // nodes: one a column, one a node
+    node_of_.resize(order_.size());
+    seen_by_.assign(order_.size(), -1);
+    nodes_.reserve(order_.size());
+    next_child.reserve(order_.size());
+    for (int k = 0, end = 0; k < n; k = end) {
+      const auto s = static_cast<int>(nodes_.size());
+      Node node{k, k + 1, n, collect(k, first_child[k], next_child), {}, 0};
+      while (node.end < n && first_child[node.end] < 0 && has_rows_of(node.end, k)) ++node.end;
+      end = node.end;
+      if (end > k + 1) drop_below(end, node.rows);
+      std::fill(node_of_.begin() + k, node_of_.begin() + end, s);
+      if (end < n && seen_by_[end] == k)
+        node.parent = end;  // mostly so
+      else
+        for (const int row : rows_of(node)) node.parent = std::min(node.parent, row);
+      next_child.push_back(-1);
+      if (node.parent < n) next_child[s] = std::exchange(first_child[node.parent], s);
+      nodes_.push_back(node);
     }
   }
 
-  /// Which rows are new looks random, so no branch is taken on it.
-  void collect(int k, const std::vector<int>& children) {
-    const std::span in_A = blocks_beside(order_[k]);
+  /// The rows of column k. Which of them are new looks random, so no branch is taken on it.
+  Rows collect(int k, int first_child, const std::vector<int>& next_child) {
+    const std::span in_A = blocks_beside(k);
     std::size_t most = in_A.size();
-    for (const int c : children) most += columns_[c].size;
-    const std::size_t end = k > 0 ? columns_[k - 1].at + columns_[k - 1].size : 0;
-    if (rows_.size() < end + most + 1) rows_.resize(2 * (end + most + 1));
-    int* const rows = rows_.data() + end;
-    int size = 0;
-    const auto add = [k, rows, &size, seen = seen_by_.data()](int row) {
-      rows[size] = row;
+    for (int c = first_child; c >= 0; c = next_child[c]) most += nodes_[c].rows.size;
+    const std::size_t begin = nodes_.empty() ? 0 : nodes_.back().rows.at + nodes_.back().rows.size;
+    if (rows_.size() < begin + most + 1) rows_.resize(2 * (begin + most + 1));
+    int* const rows = rows_.data() + begin;
+    int* const seen = seen_by_.data();
+    std::size_t size = 0;
+    seen[k] = k;
+    for (const int block : in_A) {
+      const int row = rows[size] = position_[block];
       size += (row > k) & (seen[row] != k);
       seen[row] = k;
-    };
-    for (const int block : in_A) add(position_[block]);
-    for (const int c : children)
-      for (const int row : rows_of(c)) add(row);
-    for (const int c : children)
-      if (columns_[c].size == size + 1) continues_[k] = c;
-    columns_[k] = {end, size};
-    stamp_ = k;
-  }
-
-  /// Where k - 1 is the only child of k and has all rows that A has at k, which is the most frequent case.
-  bool take_over(int k) {
-    int n_new = 0;
-    for (const int block : blocks_beside(order_[k]))
-      n_new += (position_[block] > k) & (seen_by_[position_[block]] != stamp_);
-    if (n_new > 0) return false;
-    columns_[k] = {columns_[k - 1].at, columns_[k - 1].size - 1};
-    int* const rows = rows_.data() + columns_[k].at;
-    *std::find(rows, rows + columns_[k].size, k) = rows[columns_[k].size];
-    continues_[k] = k - 1;
-    return true;
-  }
-
-  /// Chains of columns of which each has the rows of the next, and that one itself. Numbered by their last columns, so
-  /// children before their parents.
-  void form_supernodes() {
-    const int n = static_cast<int>(order_.size());
-    std::vector<char> is_last(order_.size(), 1);
-    std::vector<int> sizes(order_.size()), pivots(order_.size());  // the latter up to each column of its chain
-    for (int k = 0; k < n; ++k) {
-      pivots[k] = sizes[k] = graph_.size(order_[k]);
-      if (const int c = continues_[k]; c >= 0) pivots[k] += pivots[c], is_last[c] = 0;
     }
-    node_of_.resize(order_.size());
-    nodes_.reserve(order_.size());
-    for (int k = 0; k < n; ++k)
-      if (is_last[k]) {
-        node_of_[k] = static_cast<int>(nodes_.size());
-        nodes_.push_back({k, {pivots[k], 0}, 0});
+    for (int c = first_child; c >= 0; c = next_child[c])
+      for (const int row : rows_of(nodes_[c])) {
+        rows[size] = row;
+        size += seen[row] != k;
+        seen[row] = k;
       }
-    for (int k = n - 1; k >= 0; --k)
-      if (const int c = continues_[k]; c >= 0) node_of_[c] = node_of_[k];
+    return {begin, size};
+  }
+
+  /// Whether `column` is one of the rows collected last, which are those of k, and A has no row there that is not.
+  bool has_rows_of(int column, int k) const {
+    if (seen_by_[column] != k) return false;
+    int n_new = 0;
+    for (const int block : blocks_beside(column)) {
+      const int row = position_[block];
+      n_new += (row > column) & (seen_by_[row] != k);
+    }
+    return n_new == 0;
+  }
+
+  void drop_below(int end, Rows& kept) {
+    int* const rows = rows_.data() + kept.at;
+    std::size_t size = 0;
+    for (std::size_t i = 0; i < kept.size; ++i) {
+      const int row = rows[size] = rows[i];
+      size += row >= end;
+    }
+    kept.size = size;
+  }
+
+  void find_shapes() {
+    std::vector<int> sizes(order_.size());
+    for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = graph_.size(order_[k]);
     for (Node& node : nodes_) {
-      int border = 0;
-      for (const int row : rows_of(node.last)) border += sizes[row];
-      node.shape.border = border;
+      for (int k = node.first; k < node.end; ++k) node.shape.pivots += sizes[k];
+      for (const int row : rows_of(node)) node.shape.border += sizes[row];
       node.time = front_time(node.shape);
-      node_parent_.push_back(parent_[node.last] < 0 ? -1 : node_of_[parent_[node.last]]);
+      node_parent_.push_back(node.parent < static_cast<int>(sizes.size()) ? node_of_[node.parent] : -1);
     }
   }
 
   /// A child joins its parent where one larger front takes less time than two. Its columns then count with the rows of
   /// the parent, which contain its own.
-  void merge_supernodes() {
+  void merge_nodes() {
     Children children(node_parent_);
     merged_into_.resize(nodes_.size());
     std::iota(merged_into_.begin(), merged_into_.end(), 0);
@@ -189,6 +201,7 @@ class Analysis {
     for (int& k : number) k = now[k];
     for (const int s : former) {
       last_nodes_.push_back(kept[s]);
+      tree_.shapes.push_back(nodes_[kept[s]].shape);
       tree_.parent.push_back(kept_parent[s] < 0 ? -1 : now[kept_parent[s]]);
     }
     tree_.first.assign(kept.size() + 1, 0);
@@ -211,44 +224,31 @@ class Analysis {
     tree_.rows_at.assign(1, 0);
     std::vector<int> at(order_.size() + 1, 0);
     for (const int s : last_nodes_) {
-      tree_.rows_at.push_back(tree_.rows_at.back() + columns_[nodes_[s].last].size);
-      for (const int row : rows_of(nodes_[s].last)) ++at[now_[row] + 1];
+      tree_.rows_at.push_back(tree_.rows_at.back() + static_cast<int>(nodes_[s].rows.size));
+      for (const int row : rows_of(nodes_[s])) ++at[now_[row] + 1];
     }
     std::partial_sum(at.begin(), at.end(), at.begin());
     std::vector<int> next(at.begin(), at.end() - 1), having(static_cast<std::size_t>(at.back()));
     for (int s = 0; s < tree_.size(); ++s)
-      for (const int row : rows_of(nodes_[last_nodes_[s]].last)) having[next[now_[row]]++] = s;
+      for (const int row : rows_of(nodes_[last_nodes_[s]])) having[next[now_[row]]++] = s;
     tree_.rows.resize(having.size());
     std::vector<int> filled(tree_.rows_at.begin(), tree_.rows_at.end() - 1);
     for (int row = 0; row < static_cast<int>(order_.size()); ++row)
       for (int k = at[row]; k < at[row + 1]; ++k) tree_.rows[filled[having[k]]++] = row;
   }
 
-  struct Column {
-    std::size_t at;  ///< in rows_
-    int size;
-  };
-  struct Node {
-    int last;  ///< column
-    FrontShape shape;
-    double time;
-  };
-
-  std::span<const int> blocks_beside(int block) const {
+  std::span<const int> blocks_beside(int column) const {
+    const int block = order_[column];
     return std::span(graph_.inner).subspan(graph_.outer[block], graph_.outer[block + 1] - graph_.outer[block]);
   }
-  std::span<const int> rows_of(int column) const {
-    return std::span(rows_).subspan(columns_[column].at, static_cast<std::size_t>(columns_[column].size));
+  std::span<const int> rows_of(const Node& node) const {
+    return std::span(rows_).subspan(node.rows.at, node.rows.size);
   }
 
   const BlockGraph& graph_;
   std::vector<int> order_, position_;
   std::vector<int> rows_;
-  std::vector<Column> columns_;
   std::vector<int> seen_by_;
-  int stamp_ = -1;
-  std::vector<int> parent_,
-      continues_;  ///< one a column, -1 = none; the other is the child whose chain it goes on with
   std::vector<Node> nodes_;
   std::vector<int> node_of_, node_parent_, merged_into_;
   std::vector<int> last_nodes_;  ///< the uppermost node of each supernode

@@ -18,6 +18,7 @@ struct SupernodeTree {
   std::vector<int> first;     ///< first position of each supernode; last entry the number of blocks
   std::vector<int> parent;    ///< -1 = root
   std::vector<int> rows_at, rows;  ///< positions of the blocks below the columns of each supernode, ascending
+  std::vector<FrontShape> shapes;  ///< of their fronts, with nothing held
 
   int size() const { return static_cast<int>(parent.size()); }
 };
