@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The only file that calls AMD and METIS (the latter through CHOLMOD).
+// The only file that calls METIS, through CHOLMOD.
 #include "ordering.hpp"
 
-#include <amd.h>
 #include <cholmod.h>
 
 #include <new>
@@ -15,29 +14,6 @@ namespace {
 /// Blocks from which on nested dissection pays with the first factorisation. Measured on cloth, order and factorisation
 /// against those of minimum degree: 25 000 blocks .30 s and .26 s, 100 000 blocks 2.0 s and 2.7 s.
 constexpr int many_blocks = 50000;
-
-/// By the inner routine of AMD: what stands around it checks and symmetrises a graph that has both triangles in order.
-std::vector<int> minimum_degree_order(const BlockGraph& graph) {
-  const int n = graph.n_blocks();
-  const auto size = static_cast<std::size_t>(n);
-  if (n == 0) return {};
-  std::vector<int> begin(size), length(size), entries(graph.inner.size() + graph.inner.size() / 5 + size);
-  int end = 0;
-  for (int k = 0; k < n; ++k) {
-    begin[k] = end;
-    for (int at = graph.outer[k]; at < graph.outer[k + 1]; ++at) {
-      entries[end] = graph.inner[at];
-      end += graph.inner[at] != k;
-    }
-    length[k] = end - begin[k];
-  }
-  std::vector<int> weight(size), next(size), order(size), head(size), elements(size), degree(size), work(size);
-  double control[AMD_CONTROL], info[AMD_INFO];
-  amd_defaults(control);
-  amd_2(n, begin.data(), entries.data(), length.data(), static_cast<int>(entries.size()), end, weight.data(),
-        next.data(), order.data(), head.data(), elements.data(), degree.data(), work.data(), control, info);
-  return order;
-}
 
 /// Nothing if CHOLMOD cannot do it.
 std::vector<int> nested_dissection_order(const BlockGraph& graph) {
