@@ -289,7 +289,7 @@ class Sweep {
   }
 
   // Whether a vertex that a link from p to q would take in stands off the feature: what is beside the way by less than
-  // a tenth of `merge` is met, and stands off by that too, on either side of the edge.
+  // a tenth of `merge` is met, and stands off by that too, on either side of the edge; from a wire in any direction.
   bool passes_what_stands_off(int p, int q, const PosedObstacle& obstacle, const SharpEdge& edge) const {
     const Vec2 P = cloth_.mesh.X[p], d = cloth_.mesh.X[q] - P;
     for (int v = 0; v < cloth_.mesh.n_vertices(); ++v) {
@@ -297,7 +297,9 @@ class Sweep {
       const double along = e.dot(d) / d.squaredNorm();
       if (along <= 0 || along >= 1 || std::abs(e.x() * d.y() - e.y() * d.x()) > 0.1 * conforming_.merge * d.norm())
         continue;
-      const Vec3 away = cloth_.mesh.x[v] - obstacle.pose.to_world(edge.a);
+      const Vec3 a = obstacle.pose.to_world(edge.a), t = (obstacle.pose.to_world(edge.b) - a).normalized();
+      const Vec3 away = cloth_.mesh.x[v] - a;
+      if (edge.free_cone && (away - t.dot(away) * t).norm() > 0.4e-3) return true;
       for (const Vec3& n : edge.normals)
         if ((obstacle.pose.rotation * n).dot(away) > 0.4e-3) return true;
     }

@@ -43,6 +43,7 @@ Adapter::Adapter(const Cloth& cloth, const AdaptOptions& options, std::span<cons
       has_chains_(cloth.n_eol() > 0) {}
 
 RemeshResult Adapter::run() && {
+  thin_chains();
   make_room_for_chains();
   for (int round = 0; round < max_rounds && !spent_; ++round) {
     touched_.clear();
@@ -55,6 +56,7 @@ RemeshResult Adapter::run() && {
     if (look_again()) look_at_edges();
     even_out_short_edges();
     if (touched_.empty()) break;
+    thin_chains();
     edges_ = edges_at(mesh(), touched_);
     everywhere_ = false;
   }

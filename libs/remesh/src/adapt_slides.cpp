@@ -20,16 +20,20 @@ constexpr std::size_t max_rings = 6;
 
 }  // namespace
 
-// First of all: it changes no edge, and the rounds see what it leaves. What a slide moves fades from its vertex to the
-// neighbours, so that those of neighbours do not add up.
+// Before the rounds: it changes no edge, and they see what it leaves. What a slide moves fades from its vertex to the
+// neighbours, so that those of neighbours do not add up; it does add to what thinned chains have moved.
 void Adapter::make_room_for_chains() {
-  for (const int v : vertices_beside_chains(cloth())) {
-    const std::optional<Slide> slide = slide_from_chain(cloth(), v, sizes_[v], limits(0));
+  const std::vector<int> beside = vertices_beside_chains(cloth());
+  std::vector<double> before;
+  for (const int v : beside) before.push_back(moved_around(v));
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    const int v = beside[i];
+    const std::optional<Slide> slide = slide_from_chain(cloth(), v, sizes_[v], limits(before[i]));
     if (!slide) continue;
     editor_.slide(v, slide->X, slide->x, slide->v);
     mesh().all_outgoing(v, [&](int h) {
       double& moved = moved_[Mesh::face_of(h)];
-      moved = std::max(moved, slide->shift);
+      moved = std::max(moved, before[i] + slide->shift);
       return true;
     });
   }

@@ -14,7 +14,21 @@
 
 namespace crease {
 
-/// One pass of adapt(). Splits, flips and collapses are in adapt.cpp, what slides in adapt_slides.cpp.
+/// Of a vertex in a chain: towards a neighbour there, by a share of the edge between them.
+struct ChainSlide {
+  int vertex, towards;
+  double share;
+};
+/// Which vertex of a chain is to go, into one of its neighbours, after others have slid to where that leaves even
+/// edges.
+struct ChainPlan {
+  int vertex;
+  std::array<int, 2> into;
+  std::vector<ChainSlide> slides;
+};
+
+/// One pass of adapt(). Splits, flips and collapses are in adapt.cpp, what slides in adapt_slides.cpp, chains in
+/// thin_chains.cpp.
 class Adapter {
  public:
   Adapter(const Cloth& cloth, const AdaptOptions& options, std::span<const PosedObstacle> obstacles);
@@ -56,6 +70,13 @@ class Adapter {
   }
   std::optional<double> should_collapse(int p, int q, double longest);
   void collapse(int p, int q, double moved, CandidateQueue& queue);
+
+  void thin_chains();
+  bool thin(std::vector<int>& run, std::vector<int>& refused);
+  bool carry_out(const ChainPlan& plan);
+  bool stretches_others(const ChainSlide& s) const;
+  Verdict judge_slide_along(const ChainSlide& s, const GuardLimits& limits) const;
+  void slide_along(const ChainSlide& s, double moved);
 
   void make_room_for_chains();
   void even_out_short_edges();

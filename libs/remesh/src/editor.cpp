@@ -224,6 +224,17 @@ void Editor::slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v) {
   });
 }
 
+void Editor::slide_along(int vertex, int towards, double t) {
+  CREASE_ASSERT(mesh().tag(mesh().find_edge(vertex, towards)) != 0);
+  const auto mix = [&](auto& of) { of[vertex] = (1 - t) * of[vertex] + t * of[towards]; };
+  change_star(vertex, [&] {
+    mix(cloth_.mesh.X);
+    mix(cloth_.mesh.x);
+    mix(cloth_.v);
+    mix(cloth_.V);
+  });
+}
+
 // The move to the feature changes F in the faces, and with it what other EOL vertices there carry.
 void Editor::ride(int vertex, const FeatureId& feature, const Vec3& point) {
   CREASE_ASSERT(!cloth_.is_eol(vertex) && !mesh().on_seam(vertex));

@@ -43,6 +43,9 @@ class Editor {
 
   /// Moves a Lagrangian vertex along the surface: to the material point X, with the world position and velocity there.
   void slide(int vertex, const Vec2& X, const Vec3& x, const Vec3& v);
+  /// Moves an EOL vertex along a chain edge, by the share t of the way to the other end: where it is and both
+  /// velocities are linear between the two.
+  void slide_along(int vertex, int towards, double t);
   /// Makes a Lagrangian vertex EOL at `point` of a feature, its material velocity zero for the moment.
   void ride(int vertex, const FeatureId& feature, const Vec3& point);
   /// Shares the velocity of an EOL vertex that has none in Xdot yet: Xdot given, world velocity kept.

@@ -74,7 +74,8 @@ struct RemeshReport {
   int released = 0;      ///< EOL vertices made Lagrangian
   int splits = 0, flips = 0, collapses = 0;
   std::vector<Refusal> refusals;  ///< NearBorder, AtCorner, OnSeam, Separating are rules, not trouble: at most one each
-  /// Flips and collapses that were due but not allowed, by RefusalReason; they are tried again in every pass.
+  /// Flips, collapses and thinnings of chains that were due but not allowed, by RefusalReason; they are tried again in
+  /// every pass.
   std::array<int, n_refusal_reasons> kept_back{};
   std::vector<int> vertex_map;          ///< old -> new vertex (Mesh::none = gone); empty when nothing changed
   double smallest_angle = 0;            ///< of the material triangles [rad]
@@ -92,7 +93,8 @@ std::vector<Mat2> sizing_field(const Cloth& cloth, const AdaptOptions& options);
 
 /// Splits, flips and collapses until every metric edge length is at most 1 and no collapse is due. Chains (tagged
 /// edges), pinned vertices, EOL vertices and the vertices where a border bends stay, but for one thing: a chain denser
-/// than its sizes ask for loses inner vertices, by collapses along itself. Ends by construction: a budget of operations
+/// than its sizes ask for loses inner vertices, by collapses along itself, and the others slide along it until its
+/// edges there are even. Ends by construction: a budget of operations
 /// proportional to the faces wanted; what was refused is reported. Free vertices slide ahead of a chain that comes
 /// near; in a cloth without chains, where it is flat and its sizes are the coarsest, also to bring lengths below 1/2
 /// back above it.

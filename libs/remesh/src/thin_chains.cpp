@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "adapter.hpp"
+#include "neighbourhood.hpp"
+
+// A chain's vertices come where mesh edges crossed the feature. Of k of its edges in a row that k - 1 could stand for
+// one vertex goes, and the others slide along the chain until what is left is even.
+//
+// Every plan that is carried out removes a vertex, and one that is refused leaves nothing behind: so it ends. What it
+// leaves in place of k edges are edges of up to .92, which are not split.
+namespace crease {
+
+namespace {
+
+// Edges in a row that are looked at together: of 8 in a row 7 can be made if they are .8 long in the mean.
+constexpr std::size_t longest_window = 8;
+// Metric lengths that differ by less are equal.
+constexpr double same = 1e-6;
+// Altitude of faces beside a vertex that slides, in shortest edges wanted: those between it and the one that goes are
+// thin for a moment.
+constexpr double least_altitude = 0.1;
+
+// The chain's neighbours of a vertex that may slide along it or go: one that rides in the midst of a straight stretch,
+// away from border, seams and pins.
+std::optional<std::array<int, 2>> neighbours_in_chain(const Cloth& cloth, int vertex) {
+  const Mesh& mesh = cloth.mesh;
+  const FeatureId& feature = cloth.feature[vertex];
+  if (feature.kind != FeatureKind::Edge || feature.away > 0 || cloth.pins[vertex] != 0) return std::nullopt;
+  if (mesh.is_border_vertex(vertex) || mesh.on_seam(vertex)) return std::nullopt;
+  std::array<int, 2> ends{Mesh::none, Mesh::none};
+  std::size_t n = 0;
+  const bool is_plain = mesh.all_outgoing(vertex, [&](int h) {
+    if (mesh.tag(h) == 0) return true;
+    const FeatureId& there = cloth.feature[mesh.to(h)];
+    if (n == 2 || mesh.tag(h) != edge_tag(feature.obstacle, feature.index)) return false;
+    if (there.lifted != feature.lifted || there.away > 0) return false;
+    ends[n++] = mesh.to(h);
+    return true;
+  });
+  if (!is_plain || n != 2) return std::nullopt;
+  return ends;
+}
+
+// From one vertex that stays to the next, if `vertex` comes after the first; empty if not.
+std::vector<int> run_from(const Cloth& cloth, int vertex, std::vector<char>& seen) {
+  std::vector<int> run;
+  auto ends = neighbours_in_chain(cloth, vertex);
+  if (!ends) return run;
+  if (neighbours_in_chain(cloth, (*ends)[0])) std::swap((*ends)[0], (*ends)[1]);
+  if (neighbours_in_chain(cloth, (*ends)[0])) return run;
+  run = {(*ends)[0]};
+  for (; ends; ends = neighbours_in_chain(cloth, vertex)) {
+    seen[vertex] = 1;
+    run.push_back(vertex);
+    vertex = (*ends)[0] == run[run.size() - 2] ? (*ends)[1] : (*ends)[0];
+  }
+  run.push_back(vertex);
+  return run;
+}
+
+// Those to the left of the one that goes are due at d, 2 d, ..., and that one is between its neighbours' new places.
+// Who goes on slides before who is behind: so none meets another.
+ChainPlan plan_thinning(std::span<const int> chain, std::span<const double> at) {
+  const std::size_t k = chain.size() - 1;
+  const double d = (at[k] - at[0]) / static_cast<double>(k - 1);
+  const auto due = [&](std::size_t i, std::size_t goes) {
+    return at[0] + d * static_cast<double>(i < goes ? i : i - 1);
+  };
+  std::size_t goes = 0;
+  double least = HUGE_VAL;
+  for (std::size_t j = 1; j < k; ++j) {
+    const double s = at[j] - at[0];
+    if (!(s > d * static_cast<double>(j - 1) && s < d * static_cast<double>(j))) continue;
+    double way = 0;
+    for (std::size_t i = 1; i < k; ++i)
+      if (i != j) way = std::max(way, std::abs(due(i, j) - at[i]));
+    if (way < least) least = way, goes = j;
+  }
+  ChainPlan plan{chain[goes], {chain[goes - 1], chain[goes + 1]}, {}};
+  std::vector<double> now(at.begin(), at.end());
+  const auto slide = [&](std::size_t i, std::size_t towards) {
+    plan.slides.push_back({chain[i], chain[towards], (due(i, goes) - now[i]) / (now[towards] - now[i])});
+    now[i] = due(i, goes);
+  };
+  for (std::size_t i = k - 1; i > 0; --i)
+    if (i != goes && due(i, goes) > at[i] + same) slide(i, i + 1);
+  for (std::size_t i = 1; i < k; ++i)
+    if (i != goes && due(i, goes) < at[i] - same) slide(i, i - 1);
+  return plan;
+}
+
+}  // namespace
+
+// First of all: what the surface may be moved by in a pass goes to what costs most.
+void Adapter::thin_chains() {
+  if (!has_chains_) return;
+  std::vector<char> seen(static_cast<std::size_t>(mesh().vertex_slots()), 0);
+  for (int v = 0; v < mesh().vertex_slots(); ++v) {
+    if (!cloth().is_eol(v) || !mesh().vertex_live(v) || seen[v]) continue;
+    std::vector<int> run = run_from(cloth(), v, seen), refused;
+    while (thin(run, refused)) continue;
+  }
+}
+
+// Fewest edges first.
+bool Adapter::thin(std::vector<int>& run, std::vector<int>& refused) {
+  std::vector<double> at{0};
+  for (std::size_t i = 1; i < run.size(); ++i) at.push_back(at.back() + std::sqrt(squared_length(run[i - 1], run[i])));
+  for (std::size_t k = 2; k <= longest_window; ++k) {
+    for (std::size_t i = 0; i + k < run.size(); ++i) {
+      if (at[i + k] - at[i] > chain_collapse_below * static_cast<double>(k - 1)) continue;
+      const ChainPlan plan = plan_thinning(std::span(run).subspan(i, k + 1), std::span(at).subspan(i, k + 1));
+      const int goes = plan.vertex;
+      if (std::find(refused.begin(), refused.end(), goes) != refused.end()) continue;
+      if (!may_go_on(goes)) return false;
+      if (carry_out(plan)) {
+        run.erase(std::find(run.begin(), run.end(), goes));
+        return true;
+      }
+      refused.push_back(goes);
+    }
+  }
+  return false;
+}
+
+// All of it or nothing.
+bool Adapter::carry_out(const ChainPlan& plan) {
+  const auto state = [this] { return std::tie(editor_, sizes_, moved_, touched_, slides_, spent_); };
+  std::optional<std::tuple<Editor, std::vector<Tensor>, std::vector<double>, std::vector<int>, int, bool>> before;
+  std::optional<RefusalReason> trouble;
+  const auto slides = [&](const ChainSlide& s) {
+    if (stretches_others(s)) return false;
+    const double moved = moved_around(s.vertex);
+    const Verdict verdict = judge_slide_along(s, limits(moved));
+    trouble = verdict.trouble;
+    if (trouble) return false;
+    if (!before) before = state();
+    slide_along(s, moved + verdict.shift);
+    return true;
+  };
+  const auto goes_into = [&](int into) {
+    if (!leaves_short_edges(plan.vertex, into, chain_collapse_below)) return false;
+    const double moved = moved_around(plan.vertex);
+    const Verdict verdict = judge_collapse(cloth(), plan.vertex, into, limits(moved));
+    trouble = verdict.trouble;
+    if (trouble) return false;
+    CandidateQueue queue(later_collapse);  // the rounds'
+    collapse(plan.vertex, into, moved + verdict.shift, queue);
+    return true;
+  };
+  if (std::all_of(plan.slides.begin(), plan.slides.end(), slides) &&
+      std::any_of(plan.into.begin(), plan.into.end(), goes_into)) {
+    for (const ChainSlide& s : plan.slides) flip_around(halfedges_around(mesh(), s.vertex));
+    return true;
+  }
+  if (before) state() = std::move(*before);
+  if (trouble) ++editor_.report().kept_back[static_cast<std::size_t>(*trouble)];
+  return false;
+}
+
+// Beyond 1: such an edge would be split, by a vertex in the way of the chain.
+bool Adapter::stretches_others(const ChainSlide& s) const {
+  const Vec2 X = on_edge(mesh(), s.vertex, s.towards, s.share).X;
+  return !mesh().all_outgoing(s.vertex, [&](int h) {
+    const int u = mesh().to(h);
+    return mesh().tag(h) != 0 || squared_metric_length(mesh().X[u] - X, sizes_[s.vertex], sizes_[u]) <=
+                                     std::max(split_above * split_above, squared_length(h));
+  });
+}
+
+Verdict Adapter::judge_slide_along(const ChainSlide& s, const GuardLimits& limits) const {
+  const Target place = on_edge(mesh(), s.vertex, s.towards, s.share);
+  const double altitude = least_altitude / std::sqrt(sizes_[s.vertex].large());
+  return judge_slide(cloth(), s.vertex, {place.X, place.x}, altitude, limits);
+}
+
+void Adapter::slide_along(const ChainSlide& s, double moved) {
+  editor_.slide_along(s.vertex, s.towards, s.share);
+  ++slides_;
+  sizes_[s.vertex] = (1 - s.share) * sizes_[s.vertex] + s.share * sizes_[s.towards];
+  std::vector<int> faces = mesh().outgoing(s.vertex);
+  for (int& f : faces) f = Mesh::face_of(f);
+  set_moved(faces, moved);
+  touch(faces);
+}
+
+}  // namespace crease
