@@ -27,6 +27,15 @@ struct ChainPlan {
   std::vector<ChainSlide> slides;
 };
 
+/// What was there before a slide along a chain.
+struct SlidAlong {
+  Surrounds surrounds;
+  Tensor size;
+  std::vector<int> faces;
+  std::vector<double> moved;  // by what the pass had moved the surface in the faces
+  std::size_t touched;        // how many vertices had been
+};
+
 /// One pass of adapt(). Splits, flips and collapses are in adapt.cpp, what slides in adapt_slides.cpp, chains in
 /// thin_chains.cpp.
 class Adapter {
@@ -74,9 +83,10 @@ class Adapter {
   void thin_chains();
   bool thin(std::vector<int>& run, std::vector<int>& refused);
   bool carry_out(const ChainPlan& plan);
-  bool stretches_others(const ChainSlide& s) const;
+  bool leaves_fitting_edges(const ChainPlan& plan) const;
   Verdict judge_slide_along(const ChainSlide& s, const GuardLimits& limits) const;
-  void slide_along(const ChainSlide& s, double moved);
+  SlidAlong slide_along(const ChainSlide& s, double moved);
+  void take_back(const SlidAlong& before);
 
   void make_room_for_chains();
   void even_out_short_edges();

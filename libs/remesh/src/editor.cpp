@@ -235,6 +235,24 @@ void Editor::slide_along(int vertex, int towards, double t) {
   });
 }
 
+Surrounds Editor::surrounds(int vertex) const {
+  std::vector<int> star = mesh().neighbours(vertex);
+  star.push_back(vertex);
+  Surrounds s{vertex, mesh().X[vertex], mesh().x[vertex], star, within_reach(cloth_, star), {}, {}, report_.changed};
+  s.with_v.push_back(vertex);
+  for (const int u : s.with_V) s.V.push_back(cloth_.V[u]);
+  for (const int u : s.with_v) s.v.push_back(cloth_.v[u]);
+  return s;
+}
+
+void Editor::take_back(const Surrounds& before) {
+  cloth_.mesh.X[before.vertex] = before.X;
+  cloth_.mesh.x[before.vertex] = before.x;
+  for (std::size_t i = 0; i < before.V.size(); ++i) cloth_.V[before.with_V[i]] = before.V[i];
+  for (std::size_t i = 0; i < before.v.size(); ++i) cloth_.v[before.with_v[i]] = before.v[i];
+  report_.changed = before.changed;
+}
+
 // The move to the feature changes F in the faces, and with it what other EOL vertices there carry.
 void Editor::ride(int vertex, const FeatureId& feature, const Vec3& point) {
   CREASE_ASSERT(!cloth_.is_eol(vertex) && !mesh().on_seam(vertex));

@@ -17,6 +17,17 @@ struct Slip {
   Vec3 velocity;  ///< F Xdot, F that of the vertex
 };
 
+/// What a slide of a vertex may change: where the vertex is, V of it and of its neighbours, v as far as settle() goes.
+struct Surrounds {
+  int vertex;
+  Vec2 X;
+  Vec3 x;
+  std::vector<int> with_V, with_v;
+  std::vector<Vec2> V;
+  std::vector<Vec3> v;
+  bool changed;  ///< whether the cloth had been
+};
+
 /// A cloth while it is being remeshed: the mesh's operations, each of which carries velocities, features and pins along
 /// and keeps momentum, and the account of what was done. Vertex ids stay valid until finish().
 ///
@@ -46,6 +57,10 @@ class Editor {
   /// Moves an EOL vertex along a chain edge, by the share t of the way to the other end: where it is and both
   /// velocities are linear between the two.
   void slide_along(int vertex, int towards, double t);
+  Surrounds surrounds(int vertex) const;
+  /// Takes back slides, the last one first: each has its surrounds from just before it, and nothing else was done
+  /// since.
+  void take_back(const Surrounds& before);
   /// Makes a Lagrangian vertex EOL at `point` of a feature, its material velocity zero for the moment.
   void ride(int vertex, const FeatureId& feature, const Vec3& point);
   /// Shares the velocity of an EOL vertex that has none in Xdot yet: Xdot given, world velocity kept.

@@ -258,6 +258,10 @@ Motion motion(const Cloth& cloth) {
   return result;
 }
 
+std::vector<int> within_reach(const Cloth& cloth, std::vector<int> patch) {
+  return free_vertices(cloth, std::move(patch), max_rings);
+}
+
 bool settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
             const std::vector<int>& patch) {
   const Debt debt = debt_of(before, after);
@@ -275,7 +279,7 @@ bool settle(Cloth& cloth, const Account& before, const Account& after, const Fra
     payers.apply(*change, cloth);
     return true;
   }
-  const Payers payers(cloth, free_vertices(cloth, patch, max_rings), frame);
+  const Payers payers(cloth, within_reach(cloth, patch), frame);
   const std::optional<MatN3> change = payers.n() > 0 ? payers.settle_linear(debt) : std::nullopt;
   if (change) payers.apply(*change, cloth);
   return change.has_value();
@@ -283,7 +287,7 @@ bool settle(Cloth& cloth, const Account& before, const Account& after, const Fra
 
 void settle_in_part(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
                     const std::vector<int>& patch) {
-  const Payers payers(cloth, free_vertices(cloth, patch, max_rings), frame);
+  const Payers payers(cloth, within_reach(cloth, patch), frame);
   if (payers.n() > 0) payers.apply(payers.settle_in_part(debt_of(before, after)), cloth);
 }
 

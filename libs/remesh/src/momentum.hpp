@@ -40,4 +40,7 @@ bool settle(Cloth& cloth, const Account& before, const Account& after, const Fra
 void settle_in_part(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
                     const std::vector<int>& patch);
 
+/// The vertices whose velocities these two may change.
+std::vector<int> within_reach(const Cloth& cloth, std::vector<int> patch);
+
 }  // namespace crease

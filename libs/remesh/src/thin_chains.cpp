@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "adapter.hpp"
@@ -132,18 +131,15 @@ bool Adapter::thin(std::vector<int>& run, std::vector<int>& refused) {
 
 // All of it or nothing.
 bool Adapter::carry_out(const ChainPlan& plan) {
-  const auto state = [this] { return std::tie(editor_, sizes_, moved_, touched_, slides_, spent_); };
-  std::optional<std::tuple<Editor, std::vector<Tensor>, std::vector<double>, std::vector<int>, int, bool>> before;
+  if (!leaves_fitting_edges(plan)) return false;
+  std::vector<SlidAlong> slid;
   std::optional<RefusalReason> trouble;
   const auto slides = [&](const ChainSlide& s) {
-    if (stretches_others(s)) return false;
     const double moved = moved_around(s.vertex);
     const Verdict verdict = judge_slide_along(s, limits(moved));
     trouble = verdict.trouble;
-    if (trouble) return false;
-    if (!before) before = state();
-    slide_along(s, moved + verdict.shift);
-    return true;
+    if (!trouble) slid.push_back(slide_along(s, moved + verdict.shift));
+    return !trouble;
   };
   const auto goes_into = [&](int into) {
     if (!leaves_short_edges(plan.vertex, into, chain_collapse_below)) return false;
@@ -160,19 +156,46 @@ bool Adapter::carry_out(const ChainPlan& plan) {
     for (const ChainSlide& s : plan.slides) flip_around(halfedges_around(mesh(), s.vertex));
     return true;
   }
-  if (before) state() = std::move(*before);
+  for (; !slid.empty(); slid.pop_back()) take_back(slid.back());
   if (trouble) ++editor_.report().kept_back[static_cast<std::size_t>(*trouble)];
   return false;
 }
 
-// Beyond 1: such an edge would be split, by a vertex in the way of the chain.
-bool Adapter::stretches_others(const ChainSlide& s) const {
-  const Vec2 X = on_edge(mesh(), s.vertex, s.towards, s.share).X;
-  return !mesh().all_outgoing(s.vertex, [&](int h) {
-    const int u = mesh().to(h);
-    return mesh().tag(h) != 0 || squared_metric_length(mesh().X[u] - X, sizes_[s.vertex], sizes_[u]) <=
-                                     std::max(split_above * split_above, squared_length(h));
-  });
+// Looked at before anything moves. A slide may not stretch other edges beyond 1: such an edge would be split, by a
+// vertex in the way of the chain. And one of the collapses must leave short edges.
+bool Adapter::leaves_fitting_edges(const ChainPlan& plan) const {
+  struct Place {
+    int vertex;
+    Vec2 X;
+    Tensor size;
+  };
+  std::vector<Place> slid;
+  const auto place = [&](int v) {
+    const auto it = std::find_if(slid.rbegin(), slid.rend(), [&](const Place& p) { return p.vertex == v; });
+    return it != slid.rend() ? *it : Place{v, mesh().X[v], sizes_[v]};
+  };
+  const auto squared_distance = [](const Place& a, const Place& b) {
+    return squared_metric_length(b.X - a.X, a.size, b.size);
+  };
+  for (const auto& [vertex, towards, t] : plan.slides) {
+    const Place a = place(vertex), b = place(towards);
+    slid.push_back({vertex, (1 - t) * a.X + t * b.X, (1 - t) * a.size + t * b.size});
+  }
+  const auto keeps_others = [&](const ChainSlide& s) {
+    const Place now = place(s.vertex);
+    return mesh().all_outgoing(s.vertex, [&](int h) {
+      return mesh().tag(h) != 0 ||
+             squared_distance(now, place(mesh().to(h))) <= std::max(split_above * split_above, squared_length(h));
+    });
+  };
+  const auto fits = [&](int into) {
+    const Place end = place(into);
+    return mesh().all_outgoing(plan.vertex, [&](int h) {
+      return squared_distance(end, place(mesh().to(h))) <= chain_collapse_below * chain_collapse_below;
+    });
+  };
+  return std::all_of(plan.slides.begin(), plan.slides.end(), keeps_others) &&
+         std::any_of(plan.into.begin(), plan.into.end(), fits);
 }
 
 Verdict Adapter::judge_slide_along(const ChainSlide& s, const GuardLimits& limits) const {
@@ -181,14 +204,26 @@ Verdict Adapter::judge_slide_along(const ChainSlide& s, const GuardLimits& limit
   return judge_slide(cloth(), s.vertex, {place.X, place.x}, altitude, limits);
 }
 
-void Adapter::slide_along(const ChainSlide& s, double moved) {
+SlidAlong Adapter::slide_along(const ChainSlide& s, double moved) {
+  SlidAlong before{editor_.surrounds(s.vertex), sizes_[s.vertex], mesh().outgoing(s.vertex), {}, touched_.size()};
+  for (int& f : before.faces) {
+    f = Mesh::face_of(f);
+    before.moved.push_back(moved_[f]);
+  }
   editor_.slide_along(s.vertex, s.towards, s.share);
   ++slides_;
   sizes_[s.vertex] = (1 - s.share) * sizes_[s.vertex] + s.share * sizes_[s.towards];
-  std::vector<int> faces = mesh().outgoing(s.vertex);
-  for (int& f : faces) f = Mesh::face_of(f);
-  set_moved(faces, moved);
-  touch(faces);
+  set_moved(before.faces, moved);
+  touch(before.faces);
+  return before;
+}
+
+void Adapter::take_back(const SlidAlong& before) {
+  editor_.take_back(before.surrounds);
+  --slides_;
+  sizes_[before.surrounds.vertex] = before.size;
+  for (std::size_t i = 0; i < before.faces.size(); ++i) moved_[before.faces[i]] = before.moved[i];
+  touched_.resize(before.touched);
 }
 
 }  // namespace crease
