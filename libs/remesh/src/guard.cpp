@@ -114,7 +114,7 @@ Verdict judge_removal(const Cloth& cloth, int vertex, int into, const GuardLimit
   const double shift = shift_after(cloth, vertex, target, ring);
   if (shift > limits.shift) return {RefusalReason::WouldMoveSurface};
   if (!leaves_features(cloth, vertex, target, shift, limits.surroundings)) return {RefusalReason::NearObstacle};
-  if (strain_gained(cloth, vertex, target) > unfelt_strain) return {RefusalReason::WouldMoveSurface};
+  if (strain_gained(cloth.mesh, vertex, target) > unfelt_strain) return {RefusalReason::WouldMoveSurface};
   return {std::nullopt, shift};
 }
 
@@ -257,7 +257,7 @@ Verdict judge_slide(const Cloth& cloth, int vertex, const Target& target, double
   const double shift = shift_after(cloth, vertex, target, ring);
   if (ring.turn > limits.turn || shift > limits.shift) return {RefusalReason::WouldMoveSurface, shift};
   if (!leaves_features(cloth, vertex, target, shift, limits.surroundings)) return {RefusalReason::NearObstacle};
-  if (strain_gained(cloth, vertex, target) > unfelt_strain) return {RefusalReason::WouldMoveSurface};
+  if (strain_gained(cloth.mesh, vertex, target) > unfelt_strain) return {RefusalReason::WouldMoveSurface};
   return {std::nullopt, shift};
 }
 

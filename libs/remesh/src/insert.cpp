@@ -204,7 +204,7 @@ bool adopt_nearest(Conforming& c, int face, const SurfacePoint& point, const Fea
       *std::min_element(vertices.begin(), vertices.end(), [&](int p, int q) { return distance(p) < distance(q); });
   if (distance(v) > c.merge(adopt_share) || c.mesh().is_border_vertex(v)) return false;
   // Of a steep cone the tip stays where it is; what is left beside it will be absorbed when that costs less.
-  if (distance(v) > c.merge(least_gap_share) && strain_gained(c.cloth(), v, {point.X, point.x}) > unfelt_strain)
+  if (distance(v) > c.merge(least_gap_share) && strain_gained(c.mesh(), v, {point.X, point.x}) > unfelt_strain)
     return false;
   const FeatureId feature = c.cloth().feature[v];
   if (feature.kind == FeatureKind::Edge && lies_on(corner, feature, c.obstacles) && can_slide(c.mesh(), v, point.X))

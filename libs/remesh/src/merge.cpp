@@ -146,7 +146,7 @@ bool Merger::shorten_chain(int v) {
     const Permission allowed = permission(c_.merge(forced_share));
     if (!ring.sound || ring.turn > allowed.turn) return;
     if (shift_after(cloth(), gone, at_vertex(mesh(), into), ring) > allowed.shift) return;
-    if (strain_gained(cloth(), gone, at_vertex(mesh(), into)) > needed_strain) return;
+    if (strain_gained(mesh(), gone, at_vertex(mesh(), into)) > needed_strain) return;
     if (!best || ring.altitude > best->altitude) best = Merge{gone, into, ring.altitude};
   };
   for (const int q : mesh().neighbours(v)) {
@@ -271,7 +271,7 @@ void Merger::judge(Way& way, int r, const Target& target, const Permission& allo
   way.shift = shift_after(cloth(), r, target, ring);
   if (!allowed.cut && way.shift > good_shift_share * c_.options.snap && cuts_feature(r, target)) return;
   if (way.shift > allowed.shift) return;
-  const double strain = strain_gained(cloth(), r, target);
+  const double strain = strain_gained(mesh(), r, target);
   if (strain > allowed.strain) return;
   if (strain > needed_strain) way.strain = strain;
   way.altitude = ring.altitude;

@@ -35,8 +35,7 @@ double gained(const Sum& before, const Sum& after) {
 
 }  // namespace
 
-double strain_gained(const Cloth& cloth, int vertex, const Target& target) {
-  const Mesh& mesh = cloth.mesh;
+double strain_gained(const Mesh& mesh, int vertex, const Target& target) {
   Sum before, after;
   for (const int h : mesh.outgoing(vertex)) {
     const int f = Mesh::face_of(h), s = mesh.to(h), t = mesh.opposite(h);

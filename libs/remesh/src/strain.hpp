@@ -11,7 +11,7 @@
 namespace crease {
 
 /// Of a vertex that goes to its target.
-double strain_gained(const Cloth& cloth, int vertex, const Target& target);
+double strain_gained(const Mesh& mesh, int vertex, const Target& target);
 
 /// Of a split of edge h whose vertex goes to the target, into the face at h.
 /// @pre h is no border
