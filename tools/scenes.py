@@ -54,7 +54,7 @@ SEEN = {
     "throw": "Thrown up, in flight, and caught again by the edges and corners of the box.",
     "prism": "A sharp bend at each of the ridges of 20 to 150 degrees, none on the smooth ones.",
     "tablecloth": "Drapes over edges and corners, is pulled off by one side and swings free.",
-    "lo_res": "The same bend with a seventeenth of the faces.",
+    "lo_res": "The same bend with a nineteenth of the faces.",
     "lo_res_regular": "The bend is lost between the mesh lines.",
 }  # fmt: skip
 
