@@ -12,6 +12,10 @@ namespace {
 
 constexpr int most_halvings = 10;
 constexpr int finest = 1 << most_halvings;  ///< smallest parts in a step
+/// In the smallest part no sliding is too fast: what runs away there is a vertex of crumpled or degenerate cloth, which
+/// would do so in any part. So it is where parts of 1/128 of a step, in which 150 m/s cross 2 cm of cloth in three, are
+/// too long again and again.
+constexpr int hardly_slides = finest / 128, patience = 32;
 
 void add_times(const StageTimes& times, StepRow& row) {
   row.t_detect += times.detect;
@@ -158,8 +162,8 @@ std::optional<std::string> Sheets::advance(double time, double h, StepRow& row) 
     if (!tried.failure.empty()) {
       // What the failed attempt taught the steppers belongs to states that never came to be.
       make_steppers();
-      if (part == 1 && tried.ran_away && !std::exchange(options.hold_runaways, true)) {
-        // No sliding is so fast: a vertex of crumpled or degenerate cloth, which would be as fast in any part.
+      const bool is_hopeless = part == 1 || (part <= hardly_slides && row.retries >= patience);
+      if (tried.ran_away && is_hopeless && !std::exchange(options.hold_runaways, true)) {
         while (part < finest && done % (2 * part) == 0) part *= 2;
         continue;
       }

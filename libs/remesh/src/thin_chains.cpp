@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "adapter.hpp"
@@ -82,6 +83,7 @@ ChainPlan plan_thinning(std::span<const int> chain, std::span<const double> at) 
       if (i != j) way = std::max(way, std::abs(due(i, j) - at[i]));
     if (way < least) least = way, goes = j;
   }
+  if (goes == 0) return {Mesh::none, {}, {}};  // an edge that is lost in rounding
   ChainPlan plan{chain[goes], {chain[goes - 1], chain[goes + 1]}, {}};
   std::vector<double> now(at.begin(), at.end());
   const auto slide = [&](std::size_t i, std::size_t towards) {
@@ -97,7 +99,7 @@ ChainPlan plan_thinning(std::span<const int> chain, std::span<const double> at) 
 
 }  // namespace
 
-// First of all: what the surface may be moved by in a pass goes to what costs most.
+// First of all in a pass, for what the surface may be moved by goes to what costs most; and after every round.
 void Adapter::thin_chains() {
   if (!has_chains_) return;
   std::vector<char> seen(static_cast<std::size_t>(mesh().vertex_slots()), 0);
@@ -117,7 +119,7 @@ bool Adapter::thin(std::vector<int>& run, std::vector<int>& refused) {
       if (at[i + k] - at[i] > chain_collapse_below * static_cast<double>(k - 1)) continue;
       const ChainPlan plan = plan_thinning(std::span(run).subspan(i, k + 1), std::span(at).subspan(i, k + 1));
       const int goes = plan.vertex;
-      if (std::find(refused.begin(), refused.end(), goes) != refused.end()) continue;
+      if (goes == Mesh::none || std::find(refused.begin(), refused.end(), goes) != refused.end()) continue;
       if (!may_go_on(goes)) return false;
       if (carry_out(plan)) {
         run.erase(std::find(run.begin(), run.end(), goes));
@@ -205,11 +207,10 @@ Verdict Adapter::judge_slide_along(const ChainSlide& s, const GuardLimits& limit
 }
 
 SlidAlong Adapter::slide_along(const ChainSlide& s, double moved) {
-  SlidAlong before{editor_.surrounds(s.vertex), sizes_[s.vertex], mesh().outgoing(s.vertex), {}, touched_.size()};
-  for (int& f : before.faces) {
-    f = Mesh::face_of(f);
-    before.moved.push_back(moved_[f]);
-  }
+  std::vector<int> faces;
+  for (const int h : mesh().outgoing(s.vertex)) faces.push_back(Mesh::face_of(h));
+  SlidAlong before{editor_.surrounds(s.vertex), sizes_[s.vertex], std::move(faces), {}, touched_.size()};
+  for (const int f : before.faces) before.moved.push_back(moved_[f]);
   editor_.slide_along(s.vertex, s.towards, s.share);
   ++slides_;
   sizes_[s.vertex] = (1 - s.share) * sizes_[s.vertex] + s.share * sizes_[s.towards];
