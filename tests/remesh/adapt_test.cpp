@@ -8,6 +8,7 @@
 #include "crease/geometry/grid.hpp"
 #include "crease/geometry/triangle.hpp"
 #include "crease/remesh/remesh.hpp"
+#include "remesh/same_bits.hpp"
 #include "support/meshes.hpp"
 
 namespace crease {
@@ -69,16 +70,6 @@ Carried carried(const Cloth& cloth) {
   return {integrate([](const Vec3&, const Vec3& v) { return v; }),
           integrate([&](const Vec3& x, const Vec3& v) { return Vec3((x - centre).cross(v)); }),
           integrate([](const Vec3&, const Vec3& v) { return 0.5 * v.squaredNorm(); })};
-}
-
-void expect_same_bits(const Cloth& a, const Cloth& b) {
-  ASSERT_EQ(a.mesh.vertex_slots(), b.mesh.vertex_slots());
-  ASSERT_EQ(a.mesh.face_slots(), b.mesh.face_slots());
-  for (int f = 0; f < a.mesh.face_slots(); ++f) EXPECT_EQ(a.mesh.face(f), b.mesh.face(f));
-  EXPECT_EQ(a.mesh.X, b.mesh.X);
-  EXPECT_EQ(a.mesh.x, b.mesh.x);
-  EXPECT_EQ(a.v, b.v);
-  EXPECT_EQ(a.V, b.V);
 }
 
 void expect_valid(const Cloth& cloth, double expected_area) {
@@ -214,7 +205,7 @@ TEST(Adapt, LooksAtNoObstacleFarAway) {
   PosedObstacle posed{&box, {}};
   posed.pose.position = Vec3(0.5, 0.5, -1.5);
   const std::vector<PosedObstacle> obstacles{posed};
-  expect_same_bits(adapt(sheet, sizes(0.1, 0.3)).cloth, adapt(sheet, sizes(0.1, 0.3), obstacles).cloth);
+  testing::expect_same_bits(adapt(sheet, sizes(0.1, 0.3)).cloth, adapt(sheet, sizes(0.1, 0.3), obstacles).cloth);
 }
 
 TEST(Adapt, ASecondPassChangesNoBit) {
@@ -230,7 +221,7 @@ TEST(Adapt, ASecondPassChangesNoBit) {
     const RemeshResult twice = adapt(once.cloth, sizes(0.02, 0.09));
     EXPECT_FALSE(twice.report.changed);
     EXPECT_TRUE(twice.report.vertex_map.empty());
-    expect_same_bits(once.cloth, twice.cloth);
+    testing::expect_same_bits(once.cloth, twice.cloth);
   }
 }
 

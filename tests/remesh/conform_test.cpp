@@ -9,6 +9,7 @@
 #include "crease/collision/detect.hpp"
 #include "crease/geometry/chain.hpp"
 #include "crease/geometry/feature_place.hpp"
+#include "remesh/same_bits.hpp"
 #include "sliding_sheet.hpp"
 #include "support/meshes.hpp"
 #include "support/surface_change.hpp"
@@ -23,14 +24,6 @@ using support::uniform;
 constexpr double degree = std::numbers::pi / 180;
 const GridPattern patterns[] = {GridPattern::Cross, GridPattern::Alternating, GridPattern::Right,
                                 GridPattern::Irregular};
-
-void expect_same_bits(const Cloth& a, const Cloth& b) {
-  EXPECT_EQ(a.mesh.X, b.mesh.X);
-  EXPECT_EQ(a.mesh.x, b.mesh.x);
-  EXPECT_EQ(a.v, b.v);
-  EXPECT_EQ(a.V, b.V);
-  EXPECT_EQ(a.feature, b.feature);
-}
 
 // Every EOL vertex at the border is an end of the chain and the other way round, where the chain may reach the border.
 int chain_ends_on_border(const Cloth& cloth) {
@@ -58,7 +51,7 @@ TEST(Conform, LeavesAClothWithoutContactsAlone) {
   EXPECT_FALSE(result.report.changed);
   EXPECT_TRUE(result.report.vertex_map.empty());
   EXPECT_GT(result.report.smallest_angle, 44 * degree);
-  expect_same_bits(result.cloth, sheet.cloth);
+  testing::expect_same_bits(result.cloth, sheet.cloth);
 }
 
 // Along mesh lines, through vertices, just beside them, and anywhere, at every angle.
@@ -81,7 +74,7 @@ TEST(Conform, MakesACompleteChainAtAnyPlaceAndAngle) {
         // With nothing new to do the same bits come back.
         const RemeshResult second = sheet.conform({});
         EXPECT_FALSE(second.report.changed);
-        expect_same_bits(second.cloth, first.cloth);
+        testing::expect_same_bits(second.cloth, first.cloth);
       }
     }
   }

@@ -87,8 +87,7 @@ bool Adapter::even_out(int vertex, double enough) {
   if (!place || !may_go_on(vertex)) return false;
   editor_.slide(vertex, place->X, place->x, place->v);
   ++slides_;
-  std::vector<int> faces = mesh().outgoing(vertex);
-  for (int& f : faces) f = Mesh::face_of(f);
+  const std::vector<int> faces = faces_around(mesh(), vertex);
   set_moved(faces, moved + place->shift);
   touch(faces);
   flip_around(halfedges_around(mesh(), vertex));
@@ -121,8 +120,7 @@ void Adapter::slide(int vertex, const Vec2& X) {
   if (verdict.trouble) return;
   editor_.slide(vertex, place->X, place->x, place->v);
   ++slides_;
-  std::vector<int> faces = mesh().outgoing(vertex);
-  for (int& f : faces) f = Mesh::face_of(f);
+  const std::vector<int> faces = faces_around(mesh(), vertex);
   set_moved(faces, moved + verdict.shift);
   touch(faces);
 }

@@ -11,6 +11,7 @@
 #include "crease/geometry/triangle.hpp"
 #include "metric.hpp"
 #include "momentum.hpp"
+#include "neighbourhood.hpp"
 #include "transfer.hpp"
 
 namespace crease {
@@ -39,12 +40,6 @@ void drop_removed(std::vector<T>& entries, const std::vector<int>& renumbering, 
 
 /// Energy of velocities that are rounding beside others, as a share of theirs.
 constexpr double rounding_energy = 1e-24;
-
-std::vector<int> faces_around(const Mesh& mesh, int vertex) {
-  std::vector<int> faces = mesh.outgoing(vertex);
-  for (int& h : faces) h = Mesh::face_of(h);
-  return faces;
-}
 
 std::vector<Slip> slips_at(const Cloth& cloth, const std::vector<int>& vertices) {
   std::vector<Slip> slips;

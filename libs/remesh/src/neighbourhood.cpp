@@ -27,4 +27,10 @@ std::vector<int> halfedges_around(const Mesh& mesh, int vertex) {
   return result;
 }
 
+std::vector<int> faces_around(const Mesh& mesh, int vertex) {
+  std::vector<int> faces = mesh.outgoing(vertex);
+  for (int& h : faces) h = Mesh::face_of(h);
+  return faces;
+}
+
 }  // namespace crease

@@ -13,5 +13,6 @@ namespace crease {
 std::vector<int> edges_at(const Mesh& mesh, std::span<const int> vertices);
 /// Half-edges of the faces at a vertex, face by face.
 std::vector<int> halfedges_around(const Mesh& mesh, int vertex);
+std::vector<int> faces_around(const Mesh& mesh, int vertex);
 
 }  // namespace crease

@@ -207,9 +207,7 @@ Verdict Adapter::judge_slide_along(const ChainSlide& s, const GuardLimits& limit
 }
 
 SlidAlong Adapter::slide_along(const ChainSlide& s, double moved) {
-  std::vector<int> faces;
-  for (const int h : mesh().outgoing(s.vertex)) faces.push_back(Mesh::face_of(h));
-  SlidAlong before{editor_.surrounds(s.vertex), sizes_[s.vertex], std::move(faces), {}, touched_.size()};
+  SlidAlong before{editor_.surrounds(s.vertex), sizes_[s.vertex], faces_around(mesh(), s.vertex), {}, touched_.size()};
   for (const int f : before.faces) before.moved.push_back(moved_[f]);
   editor_.slide_along(s.vertex, s.towards, s.share);
   ++slides_;
