@@ -4,14 +4,19 @@
 // scene's run, in the same process and on one thread, so that the machine's drift hits both. Processor time of the
 // thread; medians. Ipopt solves one program in fifty for comparison, unless told not to: on large meshes it takes
 // minutes. On request gusts blow on the sheet, which a scene has no word for, and the mesh stays from some step on.
+// Several threads are compared with one by the clock, which alone shows how they wait for each other, and by the
+// processor time of the busier one, which is left where the others find no core of their own.
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -31,12 +36,12 @@ namespace {
 
 constexpr int ipopt_every = 50;
 
-/// Processor time of one call.
+/// Processor time of one call, unless another clock is asked for.
 template <class Call>
-auto timed(double& seconds, Call&& call) {
-  const double start = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+auto timed(double& seconds, Call&& call, clockid_t clock = CLOCK_THREAD_CPUTIME_ID) {
+  const double start = seconds_of(clock);
   auto result = call();
-  seconds += seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
+  seconds += seconds_of(clock) - start;
   return result;
 }
 
@@ -234,6 +239,82 @@ void measure(const std::string& file, double until, const Changes& changes, cons
   std::filesystem::remove_all(directory);
 }
 
+/// Seconds of a run, step by step.
+struct ClockedRun {
+  std::vector<double> qp, whole;  ///< by the clock
+  std::vector<double> busier;     ///< processor time of the caller, or of all other threads where that is more
+  int most_faces = 0;
+  std::string end;  ///< all of the state that it ends with
+};
+
+ClockedRun clocked_run(const LoadedScene& scene, double until, int threads) {
+  const std::filesystem::path directory =
+      std::filesystem::temp_directory_path() / ("crease_step_benchmark_" + std::to_string(getpid()));
+  ClockedRun run;
+  double qp = 0;
+  RunOptions options;
+  options.directory = directory;
+  options.force = true;
+  options.until = until;
+  options.threads = threads;
+  options.stages = [&](const Scene& described, const ClothSpec& spec) {
+    Stages stages = make_stages(described, spec, threads);
+    if (!stages.solve) return stages;
+    stages.solve = [&qp, solve = stages.solve](const auto&... given) {
+      return timed(
+          qp, [&] { return solve(given...); }, CLOCK_MONOTONIC);
+    };
+    return stages;
+  };
+  const auto now = [] {
+    return std::array{seconds_of(CLOCK_MONOTONIC), seconds_of(CLOCK_THREAD_CPUTIME_ID),
+                      seconds_of(CLOCK_PROCESS_CPUTIME_ID)};
+  };
+  auto last = now();
+  run_scene(scene, options, [&](const RunProgress& progress) {
+    const auto [clock, own, all] = now();
+    run.qp.push_back(std::exchange(qp, 0));
+    run.whole.push_back(clock - last[0]);
+    run.busier.push_back(std::max(own - last[1], (all - last[2]) - (own - last[1])));
+    run.most_faces = std::max(run.most_faces, progress.faces);
+    last = now();
+    return true;
+  });
+  std::ifstream checkpoint(directory / "checkpoint.bin", std::ios::binary);
+  run.end.assign(std::istreambuf_iterator<char>(checkpoint), {});
+  std::filesystem::remove_all(directory);
+  return run;
+}
+
+/// The runs take turns. Of a step counts the turn in which it took least, as others on the cores only add to it.
+void compare_threads(const std::string& file, double until, const Changes& changes, int threads) {
+  constexpr int turns = 3;
+  constexpr std::array times{&ClockedRun::qp, &ClockedRun::whole, &ClockedRun::busier};
+  const LoadedScene scene = load_scene(file, changes);
+  std::array<ClockedRun, 2> best;
+  for (int turn = 0; turn < turns; ++turn)
+    for (const int k : {0, 1}) {
+      ClockedRun run = clocked_run(scene, until, k == 0 ? 1 : threads);
+      if (turn + k > 0 && (run.end.empty() || run.end != best[0].end))
+        std::exit((std::fprintf(stderr, "step_benchmark: %s: %d threads end elsewhere\n", file.c_str(), threads), 1));
+      if (turn == 0) best[k] = run;
+      for (const auto time : times)
+        for (std::size_t step = 0; step < run.whole.size(); ++step)
+          (best[k].*time)[step] = std::min((best[k].*time)[step], (run.*time)[step]);
+    }
+  std::printf("| %s | %d | %zu |", std::filesystem::path(file).stem().c_str(), best[0].most_faces,
+              best[0].whole.size());
+  for (const auto time : times) {
+    std::vector<double> ratios;
+    for (std::size_t step = 0; step < (best[0].*time).size(); ++step)
+      ratios.push_back((best[0].*time)[step] / (best[1].*time)[step]);
+    for (const ClockedRun& run : best) std::printf(" %.2f |", 1e3 * quantile(run.*time, 0.5));
+    std::printf(" %.2f |", quantile(ratios, 0.5));
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
 }  // namespace
 }  // namespace crease
 
@@ -242,13 +323,16 @@ int main(int argc, char** argv) {
     std::fprintf(
         stderr,
         "usage: step_benchmark SECONDS SCENE.json.. [--set KEY=VALUE].. [--no-ipopt] [--wind] [--still STEPS]\n"
+        "                      [--threads N]\n"
         "  --wind         gusts of twice the sheet's weight\n"
-        "  --still STEPS  no remeshing after so many steps\n");
+        "  --still STEPS  no remeshing after so many steps\n"
+        "  --threads N    instead: the whole step in so many threads against one\n");
     return 2;
   }
   std::vector<std::string> scenes;
   crease::Changes changes;
   crease::Wishes wishes;
+  int threads = 0;
   for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i];
     if (word == "--set" && i + 1 < argc) {
@@ -260,9 +344,20 @@ int main(int argc, char** argv) {
       wishes.wind = true;
     } else if (word == "--still" && i + 1 < argc) {
       wishes.remeshed = std::strtoul(argv[++i], nullptr, 10);
+    } else if (word == "--threads" && i + 1 < argc) {
+      threads = std::max(1, std::atoi(argv[++i]));
     } else {
       scenes.push_back(word);
     }
+  }
+  if (threads > 0) {
+    std::printf(
+        "Milliseconds in one thread, in %d, and the ratio.\n\n"
+        "| scene | faces | steps | QP, by the clock | %d | ratio | whole step, by the clock | %d | ratio "
+        "| whole step, busier thread | %d | ratio |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+        threads, threads, threads, threads);
+    for (const std::string& scene : scenes) crease::compare_threads(scene, std::atof(argv[1]), changes, threads);
+    return 0;
   }
   std::printf(
       "Milliseconds; ratios of steps that keep the mesh / of those that change it.\n\n"
