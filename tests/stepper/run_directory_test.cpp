@@ -83,6 +83,24 @@ TEST(Run, ResumesWhateverFollowsTheRowsOfItsCheckpoint) {
   }
 }
 
+// A frame that somebody has deleted was not noticed: the run ended as if all were there, and cloth.pvd named it.
+TEST(Run, TellsWhichFramesAreMissingWhenItIsResumed) {
+  const TestFolder folder;
+  const LoadedScene loaded = hanging_scene();
+  const fs::path parts = folder.path() / "parts";
+  ASSERT_EQ(run_scene(loaded, {.directory = parts}, stop_after(30)).status, RunStatus::Interrupted);
+  fs::remove(parts / "frames/000002.vtp");
+  const RunResult one = run_scene(loaded, {.directory = parts, .resume = true}, stop_after(35));
+  ASSERT_EQ(one.warnings.size(), 1u);
+  EXPECT_EQ(one.warnings.front().rfind("frames/000002.vtp is missing", 0), 0u) << one.warnings.front();
+  fs::remove(parts / "frames/000001.vtp");
+  const RunResult two = run_scene(loaded, {.directory = parts, .resume = true});
+  EXPECT_EQ(two.status, RunStatus::Done);
+  ASSERT_EQ(two.warnings.size(), 1u);
+  EXPECT_EQ(two.warnings.front().rfind("frames/000001.vtp and 1 more are missing", 0), 0u) << two.warnings.front();
+  EXPECT_EQ(summary_of(parts)["warnings"].size(), 1u);
+}
+
 TEST(Run, ResumedBeforeItsFirstCheckpointStartsFromTheBeginning) {
   const TestFolder folder;
   const fs::path whole = folder.path() / "whole", parts = folder.path() / "parts";

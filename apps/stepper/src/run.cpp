@@ -114,6 +114,7 @@ class Run {
   const Schedule schedule_;
   const Energies start_;
   const std::vector<std::string> unresolved_;
+  std::optional<std::string> missing_frames_;  ///< of the run that is resumed
   Sheets sheets_;
   Tally tally_;
   std::optional<LineFile> steps_file_;
@@ -174,6 +175,7 @@ void Run::begin() {
     remove_earlier_run(directory_);
   else
     remove_frames(directory_, n_frames());
+  if (step_ > 0) missing_frames_ = missing_frames(directory_, scene_.formats, n_frames());
   write_whole(directory_.root / "scene.json", loaded_.resolved_json);
   write_whole(directory_.root / "obstacles.json", obstacles_json(scene_.obstacles, schedule_.frame_times));
   write_whole(directory_.steps(), table);
@@ -317,6 +319,7 @@ void Run::take_checkpoint() {
 
 std::vector<std::string> Run::warnings() const {
   std::vector<std::string> all = unresolved_;
+  if (missing_frames_) all.push_back(*missing_frames_);
   if (const double n = tally_.sums().held; n > 0)
     all.push_back("EOL vertices were kept from running over the triangles ahead " + digits(n, 9) +
                   " times, and the cloth from sliding there meanwhile: see 'held' in steps.csv");

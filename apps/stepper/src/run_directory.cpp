@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "frames.hpp"
 #include "output_file.hpp"
 
 namespace crease {
@@ -93,6 +94,21 @@ DirectoryLock::DirectoryLock(const RunDirectory& directory)
 
 DirectoryLock::~DirectoryLock() {
   if (descriptor_ >= 0) close(descriptor_);
+}
+
+std::optional<std::string> missing_frames(const RunDirectory& directory, std::span<const FrameFormat> formats,
+                                          int n_frames) {
+  std::optional<fs::path> first;
+  int n = 0;
+  for (int frame = 0; frame < n_frames; ++frame)
+    for (const FrameFormat format : formats) {
+      const fs::path file = frame_path(frame, format == FrameFormat::Vtp ? "vtp" : "obj");
+      if (fs::exists(directory.root / file)) continue;
+      if (n++ == 0) first = file;
+    }
+  if (n == 0) return std::nullopt;
+  return first->string() + (n == 1 ? " is" : " and " + std::to_string(n - 1) + " more are") +
+         " missing: gone when the run was resumed, which cannot make them again";
 }
 
 void remove_frames(const RunDirectory& directory, int first_frame) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "crease/stepper/run.hpp"
@@ -32,6 +33,11 @@ class DirectoryLock {
   int descriptor_;
   bool taken_by_another_ = false;
 };
+
+/// Which of a run's first `n_frames` frames somebody has taken away, in words; or nothing. No resumed run can make them
+/// again.
+std::optional<std::string> missing_frames(const RunDirectory& directory, std::span<const FrameFormat> formats,
+                                          int n_frames);
 
 /// Removes the frames from number `first_frame` on and whatever half-written file a killed run left.
 void remove_frames(const RunDirectory& directory, int first_frame);
