@@ -139,6 +139,7 @@ TEST_F(SceneIo, RangesAreChecked) {
       {"\"box\": {\"size\": [1.2, 1.5, 1.0]}, ", "", "/obstacles/0", "exactly one of box, point, wire, mesh"},
       {"\"degrees\": 0", "\"degrees\": \"0\"", "/obstacles/0/rotation/degrees", "a number, got \"0\""},
       {"\"threshold\": 0.001", "\"threshold\": 0", "/contact/threshold", "> 0"},
+      {"\"threshold\": 0.001", "\"threshold\": 1", "/contact/threshold", "the length of the cloth, 1.0 m"},
       {"\"friction\": 0.0", "\"friction\": -1", "/contact/friction", ">= 0"},
       {"\"velocity_terms\": true", "\"velocity_terms\": 1", "/dynamics/velocity_terms", "true or false"},
       {"\"tolerance\": 1e-8", "\"tolerance\": 0", "/solver/tolerance", "> 0"},
@@ -237,6 +238,12 @@ TEST_F(SceneIo, EolContactNeedsConformalMeshes) {
   expect_problem(adaptive, "/cloths/0/remeshing/method", "must be \"conformal\"");
   EXPECT_NO_THROW(load(none, {{"obstacles", "[]"}}));
   EXPECT_NO_THROW(load(adaptive, {{"obstacles", "[]"}}));
+}
+
+TEST_F(SceneIo, WhereNothingTouchesAnyThresholdWillDo) {
+  const std::string wide = with(full_scene, "\"threshold\": 0.001", "\"threshold\": 10");
+  EXPECT_NO_THROW(load(wide, {{"obstacles", "[]"}}));
+  EXPECT_NO_THROW(load(with(full_scene, "\"threshold\": 0.001", "\"threshold\": 0.9")));
 }
 
 TEST_F(SceneIo, OneMistakeIsOneProblem) {
