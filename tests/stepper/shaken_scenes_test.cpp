@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Every scene with Eulerian unknowns that ships, coarser and shorter: ten times with its obstacles shaken by a
+// Every scene with Eulerian unknowns that ships, coarser, and some shorter: ten times with its obstacles shaken by a
 // millimetre and everything turned at random.
 #include <gtest/gtest.h>
 
@@ -11,7 +11,8 @@ namespace {
 
 using testing::ShakenScene;
 
-ShakenScene coarse(const std::string& name, const std::string& cells, const std::string& size, double until) {
+ShakenScene coarse(const std::string& name, const std::string& cells, const std::string& size,
+                   std::optional<double> until = std::nullopt) {
   return {name, {{"cloths.0.shape.grid.cells", cells}, {"cloths.0.remeshing.size", size}}, until};
 }
 
@@ -85,13 +86,15 @@ TEST_P(ShakenScenes, EndWithTheClothOutside) {
   testing::expect_all_end_outside(GetParam(), "coarse");
 }
 
+// Until what is pulled has slid and what moves has gone through most of its way. At 1.2 s a tenth of the shakings of
+// `throw` has needles that nothing cures (docs/validation.md), and the cloth 8 mm in the box.
 INSTANTIATE_TEST_SUITE_P(
     Coarse, ShakenScenes,
-    ::testing::Values(coarse("drape_corner", "[8,8]", "[0.1,0.2]", 0.5), coarse("edge", "[8,8]", "[0.08,0.2]", 0.8),
-                      coarse("jaws", "[8,8]", "[0.08,0.2]", 0.6), ShakenScene{.name = "lo_res", .until = 0.8},
-                      coarse("nails", "[8,8]", "[0.1,0.2]", 0.6), coarse("prism", "[9,8]", "[0.1,0.2]", 0.3),
-                      coarse("push", "[8,8]", "[0.08,0.2]", 0.6), coarse("tablecloth", "[10,10]", "[0.1,0.2]", 0.6),
-                      coarse("throw", "[8,8]", "[0.1,0.2]", 0.5), coarse("wire", "[8,8]", "[0.08,0.2]", 0.8)),
+    ::testing::Values(coarse("drape_corner", "[8,8]", "[0.1,0.2]", 1.0), coarse("edge", "[8,8]", "[0.08,0.2]"),
+                      coarse("jaws", "[8,8]", "[0.08,0.2]", 1.2), ShakenScene{"lo_res"},
+                      coarse("nails", "[8,8]", "[0.1,0.2]", 1.0), coarse("prism", "[9,8]", "[0.1,0.2]", 0.8),
+                      coarse("push", "[8,8]", "[0.08,0.2]", 1.5), coarse("tablecloth", "[10,10]", "[0.1,0.2]", 1.0),
+                      coarse("throw", "[8,8]", "[0.1,0.2]", 0.9), coarse("wire", "[8,8]", "[0.08,0.2]")),
     testing::name_of);
 
 }  // namespace
