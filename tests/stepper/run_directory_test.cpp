@@ -255,6 +255,13 @@ TEST(Run, NamesThePathThatCannotBeWritten) {
   EXPECT_NE(midway.message.find(blocked.string()), std::string::npos) << midway.message;
   EXPECT_FALSE(fs::exists(blocked.string() + ".tmp"));
   EXPECT_EQ(summary_of(folder.path() / "run")["why"], midway.message);
+
+  // No checkpoint was written that relies on it.
+  fs::remove_all(blocked);
+  const RunResult resumed = run_scene(hanging_scene(), {.directory = folder.path() / "run", .resume = true});
+  EXPECT_EQ(resumed.status, RunStatus::Done);
+  EXPECT_EQ(resumed.warnings, Names());
+  EXPECT_TRUE(fs::exists(blocked));
 }
 
 TEST(Run, KeepsASecondRunOutOfItsDirectory) {

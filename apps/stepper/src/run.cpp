@@ -16,6 +16,7 @@
 #include "frames.hpp"
 #include "output_file.hpp"
 #include "output_obstacles.hpp"
+#include "output_queue.hpp"
 #include "output_steps.hpp"
 #include "output_summary.hpp"
 #include "resolution.hpp"
@@ -94,10 +95,11 @@ class Run {
   RunResult take_steps(const std::function<bool(const RunProgress&)>& progress);
   std::optional<std::string> step();
   void measure_step(StepRow& row) const;
-  void write_frame(int frame) const;
-  void write_frame_list() const;
+  void write_frame(int frame);
+  void write_frame_list();
+  void write_later(const std::filesystem::path& file, std::string bytes);
   void take_checkpoint();
-  RunResult finish(RunStatus status, std::string message) const;
+  RunResult finish(RunStatus status, std::string message);
   void write_summary(bool finished, const std::string& why) const;
   double time() const { return schedule_.end_of(step_); }
   int n_frames() const { return schedule_.frames_until(step_); }
@@ -120,6 +122,7 @@ class Run {
   std::optional<LineFile> steps_file_;
   int step_ = 0;
   double checkpoint_seconds_ = 0;  // wall time of a checkpoint taken since the last row
+  OutputQueue output_;             // of all that is written between the steps
 };
 
 Run::Run(const LoadedScene& loaded, const RunOptions& options)
@@ -283,37 +286,43 @@ void Run::measure_step(StepRow& row) const {
     row.max_penetration = std::max(row.max_penetration, max_penetration(cloth, posed, penetration_level));
 }
 
-void Run::write_frame(int frame) const {
+void Run::write_later(const std::filesystem::path& file, std::string bytes) {
+  output_.push([path = directory_.root / file, text = std::move(bytes)] { write_whole(path, text); });
+}
+
+void Run::write_frame(int frame) {
   std::vector<NamedCloth> cloths;
   for (std::size_t c = 0; c < scene_.cloths.size(); ++c)
     cloths.push_back({scene_.cloths[c].name, &sheets_.cloths()[c]});
   for (const FrameFormat format : scene_.formats) {
     if (format == FrameFormat::Vtp) {
-      write_whole(directory_.root / frame_path(frame, "vtp"), vtp_text(cloths, time()));
+      write_later(frame_path(frame, "vtp"), vtp_text(cloths, time()));
     } else {
       std::ostringstream text;
       write_obj(text, cloths, time());
-      write_whole(directory_.root / frame_path(frame, "obj"), text.str());
+      write_later(frame_path(frame, "obj"), text.str());
     }
   }
 }
 
-void Run::write_frame_list() const {
+void Run::write_frame_list() {
   if (std::find(scene_.formats.begin(), scene_.formats.end(), FrameFormat::Vtp) == scene_.formats.end()) return;
   const std::span<const double> times(schedule_.frame_times);
-  write_whole(directory_.root / "cloth.pvd", pvd_text(times.first(static_cast<std::size_t>(n_frames()))));
+  write_later("cloth.pvd", pvd_text(times.first(static_cast<std::size_t>(n_frames()))));
 }
 
-/// Writes the state, once all that it relies on is on the disk, and goes on from what was written, as a resumed run
+/// Has the state written, once all that it relies on is on the disk, and goes on from what is written, as a resumed run
 /// will: the mesh's inner order and the steppers' memory of earlier steps do influence the last bits.
 void Run::take_checkpoint() {
   const auto start = Clock::now();
-  steps_file_->sync();
-  sync_folder(directory_.root / "frames");
-  sync_folder(directory_.root);
-  const std::string bytes = encode_checkpoint(loaded_.resolved_json, step_, sheets_.cloths());
-  write_whole(directory_.checkpoint(), bytes);
+  std::string bytes = encode_checkpoint(loaded_.resolved_json, step_, sheets_.cloths());
   sheets_.restart(decode_checkpoint(bytes).cloths);
+  output_.push([this, state = std::move(bytes)] {
+    steps_file_->sync();
+    sync_folder(directory_.root / "frames");
+    sync_folder(directory_.root);
+    write_whole(directory_.checkpoint(), state);
+  });
   checkpoint_seconds_ = seconds_since(start);
 }
 
@@ -338,7 +347,8 @@ std::vector<std::string> Run::warnings() const {
   return all;
 }
 
-RunResult Run::finish(RunStatus status, std::string message) const {
+RunResult Run::finish(RunStatus status, std::string message) {
+  output_.finish();
   const bool done = status == RunStatus::Done;
   write_summary(done && reached_end(), message);
   return {status, done ? std::string() : std::move(message), reached(), warnings()};
