@@ -103,6 +103,9 @@ void release_strays(Conforming& c);
 bool is_parted(const Conforming& c, const FeatureId& feature, const Vec3& x, int u);
 /// Ends the ride of a vertex: for a while no chain begins where it was.
 void let_go(Conforming& c, int v);
+/// Of two riders that have come to one place and are not linked, so that they cannot be merged, lets go of one, which
+/// is then in the other's way like any free vertex: of v, or of another one beside it. Whether it did.
+bool drop_second_rider(Conforming& c, int v);
 void insert_contacts(Conforming& c, std::span<const Contact> contacts);
 void connect_chains(Conforming& c);
 void merge_near_chains(Conforming& c);

@@ -55,6 +55,7 @@ struct Permission {
   double angle;   // that a triangle may have, or it had less before [rad]
   double strain;  // that the patch may gain, see strain.hpp [1]
   bool cut;       // a feature may be cut
+  bool slivers;   // they may turn as they like where nobody will see it: their normals mean nothing
 };
 
 class Merger {
@@ -82,10 +83,10 @@ class Merger {
   double clearance(int v) const;
   double way(double share) const { return share * clear_; }
   Permission permission(double room) const;
+  double turn_allowed(const Permission& allowed, double shift) const;
   bool settle(int v);
   bool shorten_chain(int v);
   bool drop_dangling(int v, int q);
-  bool drop_second_rider(int v);
   bool absorb_neighbours(int v);
   bool cuts_feature(const Vec3& a, const Vec3& b) const;
   bool cuts_corner(const std::array<Vec3, 3>& x) const;
@@ -112,9 +113,13 @@ double Merger::clearance(int v) const {
 }
 
 Permission Merger::permission(double room) const {
-  if (room < c_.merge(last_share)) return {1.2, c_.merge(0.5), 0, HUGE_VAL, true};
-  if (room < need_) return {1.2, c_.merge(0.5), 0, needed_strain, false};
-  return {0.35, good_shift_share * c_.options.snap, least_angle, needed_strain, false};
+  if (room < c_.merge(last_share)) return {1.2, c_.merge(0.5), 0, HUGE_VAL, true, true};
+  if (room < need_) return {1.2, c_.merge(0.5), 0, needed_strain, false, true};
+  return {0.35, good_shift_share * c_.options.snap, least_angle, needed_strain, false, false};
+}
+
+double Merger::turn_allowed(const Permission& allowed, double shift) const {
+  return allowed.slivers && shift <= good_shift_share * c_.options.snap ? HUGE_VAL : allowed.turn;
 }
 
 // Height of corner v over the opposite side of a face.
@@ -172,20 +177,6 @@ bool Merger::drop_dangling(int v, int q) {
   let_go(c_, v);
   if (mesh().can_collapse_vertex(v, q)) c_.editor.collapse(v, q);
   return true;
-}
-
-// Where two layers of cloth hang on one corner and what is between them is drawn away, both riders come to the same
-// place: the second lets go, or the one that is off the corner, and is then in the first one's way like any other.
-bool Merger::drop_second_rider(int v) {
-  const FeatureId& corner = cloth().feature[v];
-  if (corner.kind != FeatureKind::Corner) return false;
-  for (int q = v + 1; q < mesh().vertex_slots(); ++q) {
-    if (!mesh().vertex_live(q) || !(cloth().feature[q] == corner) || distance(v, q) >= c_.merge(chain_merge_share))
-      continue;
-    let_go(c_, cloth().rides(q) && !cloth().rides(v) ? v : q);
-    return true;
-  }
-  return false;
 }
 
 bool Merger::absorb_neighbours(int v) {
@@ -266,9 +257,10 @@ bool Merger::cuts_feature(int r, const Target& target) const {
 // Triangles may stay as thin as they were: another vertex may be the cause, and its turn comes.
 void Merger::judge(Way& way, int r, const Target& target, const Permission& allowed) const {
   const Ring ring = ring_after(cloth(), r, target);
-  if (!ring.sound || ring.turn > allowed.turn || ring.angle < std::min(allowed.angle, ring.angle_before)) return;
+  if (!ring.sound || ring.angle < std::min(allowed.angle, ring.angle_before)) return;
   if (ring.altitude < std::min(clear_ * thin_share, ring.altitude_before)) return;
   way.shift = shift_after(cloth(), r, target, ring);
+  if (ring.turn > turn_allowed(allowed, way.shift)) return;
   if (!allowed.cut && way.shift > good_shift_share * c_.options.snap && cuts_feature(r, target)) return;
   if (way.shift > allowed.shift) return;
   const double strain = strain_gained(mesh(), r, target);
@@ -330,10 +322,8 @@ bool Merger::open_faces(int v) {
     const FlipCheck check = flip_check(cloth(), longest);
     const Permission allowed = permission(room);
     if (!check.sound || check.altitude < flip_gain * check.altitude_before) continue;
-    // The normal of a sliver means nothing: one that the chain needs gone may go if nobody will see it.
     const double shift = flip_shift(mesh(), longest);
-    const bool is_unseen_need = room < need_ && shift <= good_shift_share * c_.options.snap;
-    if (shift > allowed.shift || (check.dihedral > allowed.turn && !is_unseen_need)) continue;
+    if (shift > allowed.shift || check.dihedral > turn_allowed(allowed, shift)) continue;
     if (strain_gained_by_flip(mesh(), longest) > allowed.strain) continue;
     if (!allowed.cut &&
         cuts_feature(mesh().x[mesh().opposite(longest)], mesh().x[mesh().opposite(mesh().twin(longest))]))
@@ -357,7 +347,7 @@ bool Merger::settle(int v) {
   clear_ = clearance(v);
   need_ = std::max(c_.merge(last_share), need_share * c_.options.look_ahead * cloth().V[v].norm());
   while (mesh().vertex_live(v) && cloth().is_eol(v) && budget_ > 0) {
-    if (!shorten_chain(v) && !drop_second_rider(v) && !absorb_neighbours(v) && !open_faces(v)) break;
+    if (!shorten_chain(v) && !drop_second_rider(c_, v) && !absorb_neighbours(v) && !open_faces(v)) break;
     changed = true;
     --budget_;
   }

@@ -79,7 +79,69 @@ bool gives_way_to(const Conforming& c, int v, int u) {
   return c.cloth().feature[u].kind == FeatureKind::Corner || u < v;
 }
 
+// Distance of P from half-edge h in the material.
+double distance(const Mesh& mesh, int h, const Vec2& P) {
+  const Vec2 a = mesh.X[mesh.from(h)], e = mesh.X[mesh.to(h)] - a;
+  const double t = std::clamp(e.dot(P - a) / e.squaredNorm(), 0.0, 1.0);
+  return (a + t * e - P).norm();
+}
+
+int n_links(const Conforming& c, int v) {
+  const std::vector<int> out = c.mesh().neighbours(v);
+  return static_cast<int>(
+      std::count_if(out.begin(), out.end(), [&](int u) { return c.mesh().tag(c.mesh().find_edge(v, u)) != 0; }));
+}
+
+// Two layers of cloth on one corner: the second lets go, or the one that is off the corner.
+int second_on_corner(const Conforming& c, int v) {
+  const Mesh& mesh = c.mesh();
+  for (int q = v + 1; q < mesh.vertex_slots(); ++q)
+    if (mesh.vertex_live(q) && c.cloth().feature[q] == c.cloth().feature[v] &&
+        (mesh.X[q] - mesh.X[v]).norm() < c.merge(chain_merge_share))
+      return c.cloth().rides(q) && !c.cloth().rides(v) ? v : q;
+  return Mesh::none;
+}
+
+// Two ends of chains: of layers on one edge, where what is between them is drawn away, or of two edges beside a corner
+// that nothing rides on. The one with fewer links lets go.
+int second_end(const Conforming& c, int v) {
+  const Mesh& mesh = c.mesh();
+  for (const int u : mesh.neighbours(v)) {
+    if (!c.cloth().rides(u) || mesh.tag(mesh.find_edge(v, u)) != 0) continue;
+    if ((mesh.X[u] - mesh.X[v]).norm() >= c.merge(cross_share)) continue;
+    const bool is_other = c.cloth().feature[u].kind == FeatureKind::Edge && n_links(c, u) < n_links(c, v);
+    const int second = is_other ? u : v;
+    if (n_links(c, second) < 2) return second;
+  }
+  return Mesh::none;
+}
+
+// Whether v has no links, and a chain of its own feature passes it by.
+bool is_left_out(const Conforming& c, int v) {
+  const Mesh& mesh = c.mesh();
+  if (n_links(c, v) != 0) return false;
+  const FeatureId& feature = c.cloth().feature[v];
+  const int tag = edge_tag(feature.obstacle, feature.index);
+  const std::vector<int> around = mesh.neighbours(v);
+  return std::any_of(around.begin(), around.end(), [&](int u) {
+    return !mesh.all_outgoing(
+        u, [&](int h) { return mesh.tag(h) != tag || distance(mesh, h, mesh.X[v]) >= c.merge(last_share); });
+  });
+}
+
 }  // namespace
+
+bool drop_second_rider(Conforming& c, int v) {
+  if (c.cloth().feature[v].kind == FeatureKind::Corner) {
+    const int second = second_on_corner(c, v);
+    if (second != Mesh::none) let_go(c, second);
+    return second != Mesh::none;
+  }
+  if (!c.cloth().rides(v)) return false;
+  const int second = is_left_out(c, v) ? v : second_end(c, v);
+  if (second != Mesh::none) let_go(c, second);
+  return second != Mesh::none;
+}
 
 bool is_parted(const Conforming& c, const FeatureId& feature, const Vec3& x, int u) {
   if (feature.kind != FeatureKind::Edge || !c.cloth().rides(u) || !lies_on(c.cloth().feature[u], feature, c.obstacles))
@@ -104,9 +166,7 @@ bool passes_by(const Conforming& c, int vertex, const Vec2& P, const FeatureId& 
           (mesh.X[mesh.from(h)] - P).norm() < reach)
         return true;
       if (mesh.tag(h) == 0 || !gives_way(feature, tag_feature(mesh.tag(h)), c.obstacles)) continue;
-      const Vec2 a = mesh.X[mesh.from(h)], e = mesh.X[mesh.to(h)] - a;
-      const double t = std::clamp(e.dot(P - a) / e.squaredNorm(), 0.0, 1.0);
-      if ((a + t * e - P).norm() < reach) return true;
+      if (distance(mesh, h, P) < reach) return true;
     }
   }
   return false;
