@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
 // Riders that come near a chain, or one another, without being linked: they cannot be merged, and no step is short
-// enough for what is left between them.
+// enough for what is left between them. And ends and links of chains that are not made where they would soon be let go.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "crease/geometry/grid.hpp"
 #include "sliding_sheet.hpp"
@@ -92,6 +94,64 @@ TEST(SecondRider, LetsGoBesideACornerThatNothingRidesOn) {
     EXPECT_EQ(result.cloth.n_eol(), merge > 0.15 ? 1 : 2);
     EXPECT_LE((motion(result.cloth).linear - motion(cloth).linear).norm(), 1e-12);
     EXPECT_LE(motion(result.cloth).kinetic, motion(cloth).kinetic * (1 + 1e-12));
+  }
+}
+
+int n_links(const Mesh& mesh) {
+  const std::vector<int> edges = mesh.edges();
+  return static_cast<int>(std::count_if(edges.begin(), edges.end(), [&](int h) { return mesh.tag(h) != 0; }));
+}
+
+// A chain that ends inside the cloth is let go where its last vertex comes within half of `merge` of the one before.
+// One that began at .51 of it ended in the next step, four times in the scene `tablecloth`.
+TEST(ChainEnd, BeginsNoNearerThanItMayCome) {
+  SlidingSheet sheet({.place = 0.512});
+  const PosedObstacle table = sheet.table();
+  const std::vector<Contact> contacts = support::feature_contacts(sheet.cloth, {&table, 1}, 1e-3);
+  const auto nearest_to = [&](double y) {
+    return *std::min_element(contacts.begin(), contacts.end(), [&](const Contact& a, const Contact& b) {
+      return std::abs(a.point.y() - y) < std::abs(b.point.y() - y);
+    });
+  };
+  const Contact first = nearest_to(0.012), second = nearest_to(0.038);  // of one triangle
+  const double apart = (first.point - second.point).norm();
+  ASSERT_NEAR(apart, 0.026, 1e-9);
+  const Cloth one = conform(sheet.cloth, {&first, 1}, {&table, 1}, {}).cloth;
+  ASSERT_EQ(one.n_eol(), 1);
+  for (const double share : {0.6, 0.8}) {
+    SCOPED_TRACE(share);
+    ConformOptions options;
+    options.merge = apart / share;
+    const Cloth two = conform(one, {&second, 1}, {&table, 1}, options).cloth;
+    EXPECT_EQ(two.n_eol(), share > 0.75 ? 2 : 1);  // three quarters, as for neighbours that become one
+    EXPECT_EQ(n_links(two.mesh), share > 0.75 ? 1 : 0);
+  }
+}
+
+// Two riders in one mesh edge along the border, .02 m from it: linked at .4 of `merge` they were let go in the next
+// step, at .35.
+TEST(ChainLink, IsNotMadeAlongABorderWhereNoneWouldBegin) {
+  for (const double share : {0.4, 0.6}) {
+    SCOPED_TRACE(share);
+    SlidingSheet sheet({.pattern = GridPattern::Right, .place = 0.98});
+    const PosedObstacle table = sheet.table();
+    FeatureId edge;
+    for (const Contact& contact : support::feature_contacts(sheet.cloth, {&table, 1}, 1e-3))
+      if (contact.feature.kind == FeatureKind::Edge) edge = contact.feature;
+    for (const double y : {0.5, 0.55}) {
+      const int v = vertex_at(sheet.cloth.mesh, {0.95, y});
+      sheet.cloth.mesh.X[v].x() = 0.98;
+      sheet.cloth.feature[v] = edge;
+    }
+    sheet.slide(0);  // into its place in the world
+    ASSERT_EQ(validate(sheet.cloth), std::nullopt);
+    ConformOptions options;
+    options.merge = 0.02 / share;
+    const RemeshResult result = conform(sheet.cloth, {}, {&table, 1}, options);
+    EXPECT_EQ(result.report.released, 0);
+    EXPECT_EQ(result.cloth.n_eol(), 2);
+    EXPECT_EQ(n_links(result.cloth.mesh), share > 0.5 ? 1 : 0);
+    EXPECT_EQ(result.report.refusals.empty(), share > 0.5);
   }
 }
 

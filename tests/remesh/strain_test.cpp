@@ -98,7 +98,8 @@ TEST(Strain, IsNotPutIntoASheetInTheChainsWay) {
 }
 
 // Two vertices on a wire with a fold between them that doubles back, shorter than `merge`: their link by a flip would
-// press the fold flat, from 9.9 mm to .1 mm. By a new vertex on the fold it changes nothing.
+// press the fold flat, from 9.9 mm to .1 mm. By a new vertex on the fold it changes nothing; as the end of a chain that
+// is too near to another one it is let go, and to take it out would press the fold flat, too.
 TEST(Strain, IsNotPutIntoAFoldByLinkingOverIt) {
   const double fold = 0.0049;
   const std::vector<Vec2> X{{-0.0001, 0}, {2 * fold, 0}, {fold, -0.05}, {fold, 0.05}, {-0.05, 0}, {0.06, 0}};
@@ -110,12 +111,8 @@ TEST(Strain, IsNotPutIntoAFoldByLinkingOverIt) {
   for (const int v : {0, 1}) cloth.feature[v] = {.obstacle = 0, .kind = FeatureKind::Edge, .index = 0};
   const RemeshResult result = conform(cloth, {}, {&posed, 1}, {});
   EXPECT_LE(strain(result.cloth.mesh), 1e-20);
-  const Mesh& mesh = result.cloth.mesh;
-  const auto on_fold = std::find(mesh.X.begin(), mesh.X.end(), Vec2(fold, 0));
-  ASSERT_NE(on_fold, mesh.X.end());
-  const int h = mesh.find_edge(0, static_cast<int>(on_fold - mesh.X.begin()));
-  ASSERT_NE(h, Mesh::none);
-  EXPECT_EQ(mesh.tag(h), edge_tag(0, 0));
+  const std::vector<Vec2>& left = result.cloth.mesh.X;
+  EXPECT_NE(std::find(left.begin(), left.end(), Vec2(fold, 0)), left.end());
 }
 
 }  // namespace

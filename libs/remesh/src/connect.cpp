@@ -79,6 +79,7 @@ class Linker {
   bool lies_near(const Vec3& x) const;
   Vec3 cloth_normal(int v) const;
   bool may_pass(int u) const;
+  bool runs_along_border(int p, int q) const;
   bool is_on_feature(int p, int q) const;
   bool make_link(int p, int q);
   void take_in(int p);
@@ -148,6 +149,15 @@ bool Linker::may_pass(int u) const {
   if (lies_on(c_.cloth().feature[u], feature_, c_.obstacles)) return c_.cloth().rides(u);
   return lies_near(mesh().x[u]) &&
          !separates(c_, feature_, {mesh().X[u], mesh().x[u], c_.cloth().world_velocity(u)}, cloth_normal(u));
+}
+
+// Where no chain begins none is linked either: it would soon be near enough to be let go.
+bool Linker::runs_along_border(int p, int q) const {
+  const Vec2 way = (mesh().X[q] - mesh().X[p]).normalized();
+  const auto is_near = [&](int v) {
+    return c_.border.distance_along(mesh().X[v], way, c_.border_cosine(1)) < c_.merge(insert_border_share);
+  };
+  return is_near(p) || is_near(q);
 }
 
 // The walk through the mesh as it is, without changing it.
@@ -242,7 +252,10 @@ void Linker::link(std::vector<int> members) {
     for (std::size_t j = i + 1; j < end; ++j) {
       const int q = members[j];
       if (has_link(q, false) || !could_follow(p, q) || !is_on_feature(p, q)) continue;
-      if (!make_link(p, q)) c_.editor.refuse(RefusalReason::NotConnected, p, mesh().X[p]);
+      if (runs_along_border(p, q))
+        c_.editor.refuse_once(RefusalReason::NearBorder, mesh().X[p]);
+      else if (!make_link(p, q))
+        c_.editor.refuse(RefusalReason::NotConnected, p, mesh().X[p]);
       break;
     }
   }

@@ -166,16 +166,19 @@ bool Merger::shorten_chain(int v) {
 }
 
 // A chain that ends inside the cloth has one link at its last vertex, which the mesh does not collapse: it is let go.
+// One that has just begun, a little earlier, or it would end in the next step.
 bool Merger::drop_dangling(int v, int q) {
   if (cloth().feature[v].kind != FeatureKind::Edge || cloth().pins[v] != 0 || mesh().is_border_vertex(v)) return false;
-  if (distance(v, q) >= c_.merge(thin_share)) return false;
+  const bool is_new = std::find(c_.newcomers.begin(), c_.newcomers.end(), v) != c_.newcomers.end();
+  if (distance(v, q) >= c_.merge(is_new ? chain_merge_share : thin_share)) return false;
   int links = 0;
   for (const int u : mesh().neighbours(v)) links += mesh().tag(mesh().find_edge(v, u)) != 0 ? 1 : 0;
   if (links != 1) return false;
   const Ring ring = ring_after(cloth(), v, at_vertex(mesh(), q));
   if (!ring.sound || ring.turn > permission(0).turn) return false;
+  const bool is_felt = strain_gained(mesh(), v, at_vertex(mesh(), q)) > needed_strain;
   let_go(c_, v);
-  if (mesh().can_collapse_vertex(v, q)) c_.editor.collapse(v, q);
+  if (!is_felt && mesh().can_collapse_vertex(v, q)) c_.editor.collapse(v, q);
   return true;
 }
 
