@@ -40,6 +40,10 @@ void drop_removed(std::vector<T>& entries, const std::vector<int>& renumbering, 
 
 /// Energy of velocities that are rounding beside others, as a share of theirs.
 constexpr double rounding_energy = 1e-24;
+/// Less of an EOL vertex's velocity than this in Xdot is none.
+constexpr double least_share = 0.01;
+/// Rings of vertices that may pay for it.
+constexpr int share_rings = 3;
 
 std::vector<Slip> slips_at(const Cloth& cloth, const std::vector<int>& vertices) {
   std::vector<Slip> slips;
@@ -54,6 +58,15 @@ void keep_slips(const std::vector<Slip>& slips, double share, Cloth& cloth) {
   for (const auto& [v, velocity] : slips)
     if (cloth.mesh.vertex_live(v) && cloth.is_eol(v))
       cloth.V[v] = vertex_deformation_gradient(cloth.mesh, v).completeOrthogonalDecomposition().solve(share * velocity);
+}
+
+/// The material's velocity there from before, for want of another.
+void stop_slips(const std::vector<Slip>& slips, Cloth& cloth) {
+  for (const auto& [v, velocity] : slips)
+    if (cloth.mesh.vertex_live(v) && cloth.is_eol(v)) {
+      cloth.v[v] -= velocity;
+      cloth.V[v].setZero();
+    }
 }
 
 /// Faces at the slipping vertices that are not in the patch.
@@ -74,6 +87,7 @@ Editor::Editor(const Cloth& cloth, bool conserve)
     : cloth_(cloth), n_given_(cloth.mesh.vertex_slots()), conserve_(conserve) {
   report_.before = motion(cloth);
   drift_ = report_.before.linear / report_.before.area;
+  for (const Vec3& v : cloth.v) fastest_ = std::max(fastest_, v.squaredNorm());
 }
 
 // A seam's two new vertices come one after the other.
@@ -140,22 +154,29 @@ Mesh::Split Editor::split_face(int f, const Vec3& b) {
   return done;
 }
 
-// Where those around cannot pay, the EOL vertices help: by the F that they have now, and by slipping more slowly. Not
-// to pay for rounding, though.
+// Rounding of what moves at the cloth's speed is not paid for.
+bool Editor::settled(const Account& before, std::span<const int> faces, const Frame& frame,
+                     const std::vector<int>& payers, int rings) {
+  const Account after = account(cloth_, faces, frame);
+  return std::max(before.kinetic, after.kinetic) <= rounding_energy * fastest_ * before.area ||
+         settle(cloth_, before, after, frame, payers, rings);
+}
+
+// Where those around cannot pay, the EOL vertices help: by the F that they have now, by slipping more slowly, and at
+// last by going along with the material.
 void Editor::pay(Account before, std::span<const int> faces, const Frame& frame, const std::vector<Slip>& slips,
                  const std::vector<int>& payers) {
-  const Account after = account(cloth_, faces, frame);
-  if (settle(cloth_, before, after, frame, payers)) return;
-  double fastest = 0;
-  for (const Slip& slip : slips) fastest = std::max(fastest, slip.velocity.squaredNorm());
-  if (after.kinetic - before.kinetic <= rounding_energy * fastest * before.area)
-    return settle_in_part(cloth_, before, after, frame, payers);
+  if (settled(before, faces, frame, payers, paying_rings)) return;
   std::vector<int> all = other_faces(cloth_, slips, faces);
   before += account(cloth_, all, frame);
   all.insert(all.end(), faces.begin(), faces.end());
-  for (const double share : {1.0, 0.5, 0.25, 0.0}) {
-    keep_slips(slips, share, cloth_);
-    if (settle(cloth_, before, account(cloth_, all, frame), frame, payers)) return;
+  if (!slips.empty()) {
+    for (const double share : {1.0, 0.5, 0.25, 0.0}) {
+      keep_slips(slips, share, cloth_);
+      if (settled(before, all, frame, payers, paying_rings)) return;
+    }
+    stop_slips(slips, cloth_);
+    if (settled(before, all, frame, payers, paying_rings)) return;
   }
   settle_in_part(cloth_, before, account(cloth_, all, frame), frame, payers);
 }
@@ -233,18 +254,16 @@ void Editor::slide_along(int vertex, int towards, double t) {
 Surrounds Editor::surrounds(int vertex) const {
   std::vector<int> star = mesh().neighbours(vertex);
   star.push_back(vertex);
-  Surrounds s{vertex, mesh().X[vertex], mesh().x[vertex], star, within_reach(cloth_, star), {}, {}, report_.changed};
-  s.with_v.push_back(vertex);
-  for (const int u : s.with_V) s.V.push_back(cloth_.V[u]);
-  for (const int u : s.with_v) s.v.push_back(cloth_.v[u]);
+  Surrounds s{vertex, mesh().X[vertex], mesh().x[vertex], std::move(star), {}, cloth_.v, report_.changed};
+  for (const int u : s.star) s.V.push_back(cloth_.V[u]);
   return s;
 }
 
 void Editor::take_back(const Surrounds& before) {
   cloth_.mesh.X[before.vertex] = before.X;
   cloth_.mesh.x[before.vertex] = before.x;
-  for (std::size_t i = 0; i < before.V.size(); ++i) cloth_.V[before.with_V[i]] = before.V[i];
-  for (std::size_t i = 0; i < before.v.size(); ++i) cloth_.v[before.with_v[i]] = before.v[i];
+  for (std::size_t i = 0; i < before.V.size(); ++i) cloth_.V[before.star[i]] = before.V[i];
+  cloth_.v = before.v;
   report_.changed = before.changed;
 }
 
@@ -258,12 +277,24 @@ void Editor::ride(int vertex, const FeatureId& feature, const Vec3& point) {
   ++report_.inserted;
 }
 
+// In a fold the faces' own F may be far from their mean, and F V of one that is nearly crushed tells little of V: all
+// of it could be faster than anything around can pay for.
 void Editor::share(int vertex, const Vec2& V, const Mat32& F) {
   if (V.isZero(0)) return;
-  change_star(vertex, [&] {
-    cloth_.v[vertex] += F * V;
-    cloth_.V[vertex] += V;
-  });
+  report_.changed = true;
+  std::vector<int> payers = mesh().neighbours(vertex);
+  payers.push_back(vertex);
+  const std::vector<int> faces = faces_around(mesh(), vertex);
+  const Frame frame{mean_position(payers), drift_};
+  const Account before = account(cloth_, faces, frame);
+  const Vec3 v = cloth_.v[vertex];
+  for (double share = 1; share > least_share; share /= 2) {
+    cloth_.v[vertex] = v + share * F * V;
+    cloth_.V[vertex] = share * V;
+    if (!conserve_ || settled(before, faces, frame, payers, share_rings)) return;
+  }
+  cloth_.v[vertex] = v;
+  cloth_.V[vertex].setZero();
 }
 
 void Editor::release(int vertex) {

@@ -17,15 +17,15 @@ struct Slip {
   Vec3 velocity;  ///< F Xdot, F that of the vertex
 };
 
-/// What a slide of a vertex may change: where the vertex is, V of it and of its neighbours, v as far as settle() goes.
+/// What a slide of a vertex may change: where the vertex is, V of its star, v as far as settle() goes.
 struct Surrounds {
   int vertex;
   Vec2 X;
   Vec3 x;
-  std::vector<int> with_V, with_v;
-  std::vector<Vec2> V;
-  std::vector<Vec3> v;
-  bool changed;  ///< whether the cloth had been
+  std::vector<int> star;
+  std::vector<Vec2> V;  ///< of the star
+  std::vector<Vec3> v;  ///< of all
+  bool changed;         ///< whether the cloth had been
 };
 
 /// A cloth while it is being remeshed: the mesh's operations, each of which carries velocities, features and pins along
@@ -63,7 +63,8 @@ class Editor {
   void take_back(const Surrounds& before);
   /// Makes a Lagrangian vertex EOL at `point` of a feature, its material velocity zero for the moment.
   void ride(int vertex, const FeatureId& feature, const Vec3& point);
-  /// Shares the velocity of an EOL vertex that has none in Xdot yet: Xdot given, world velocity kept.
+  /// Shares the velocity of an EOL vertex that has none in Xdot yet: Xdot given, or as large a part of it as those near
+  /// can pay for; world velocity kept.
   void share(int vertex, const Vec2& V, const Mat32& F);
   void release(int vertex);
   /// Notes that a chain has left these.
@@ -87,6 +88,9 @@ class Editor {
   template <typename Change>
   void change_star(int vertex, Change change);
   /// Makes up for what an operation did to faces that carried `before` and are these now. @see settle()
+  bool settled(const Account& before, std::span<const int> faces, const Frame& frame, const std::vector<int>& payers,
+               int rings);
+  /// The same as far as possible.
   void pay(Account before, std::span<const int> faces, const Frame& frame, const std::vector<Slip>& slips,
            const std::vector<int>& payers);
   std::vector<int> disagreeing_faces(int h) const;
@@ -97,7 +101,8 @@ class Editor {
   RemeshReport report_;
   int n_given_;
   bool conserve_;
-  Vec3 drift_;  // mean velocity of the cloth given
+  Vec3 drift_;          // mean velocity of the cloth given
+  double fastest_ = 0;  // square of its largest speed
 };
 
 }  // namespace crease

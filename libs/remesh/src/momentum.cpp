@@ -24,8 +24,6 @@ using MatN3 = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 // Below this ratio of the smallest to the largest pivot, with lengths measured in patch radii, the vertices are as good
 // as in one line: a rotation about it would have to be fast to carry anything.
 constexpr double least_pivot_ratio = 1e-3;
-// Rings of vertices round the patch that may join in.
-constexpr int max_rings = 3;
 // An energy is not above another if by less than this share: rounding of sums over a patch.
 constexpr double energy_rounding = 1e-14;
 
@@ -215,12 +213,10 @@ Debt debt_of(const Account& before, const Account& after) {
   return {before.linear - after.linear, before.angular - after.angular, before.kinetic - after.kinetic};
 }
 
-/// Those of a patch and so many rings around it whose velocity may be changed.
-std::vector<int> free_vertices(const Cloth& cloth, std::vector<int> patch, int rings) {
-  sort_unique(patch);
-  for (int ring = 0; ring < rings; ++ring) patch = with_neighbours(cloth.mesh, patch);
-  std::erase_if(patch, [&](int v) { return cloth.is_eol(v) || cloth.pins[v] != 0 || cloth.mesh.is_tied(v); });
-  return patch;
+/// Those whose velocity may be changed.
+std::vector<int> free_ones(const Cloth& cloth, std::vector<int> vertices) {
+  std::erase_if(vertices, [&](int v) { return cloth.is_eol(v) || cloth.pins[v] != 0 || cloth.mesh.is_tied(v); });
+  return vertices;
 }
 
 }  // namespace
@@ -258,12 +254,8 @@ Motion motion(const Cloth& cloth) {
   return result;
 }
 
-std::vector<int> within_reach(const Cloth& cloth, std::vector<int> patch) {
-  return free_vertices(cloth, std::move(patch), max_rings);
-}
-
-bool settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
-            const std::vector<int>& patch) {
+bool settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame, std::vector<int> patch,
+            int rings) {
   const Debt debt = debt_of(before, after);
   // What is only rounding is left alone: paying it back would only add to it.
   const double linear_rounding = 64 * std::numeric_limits<double>::epsilon() *
@@ -271,24 +263,28 @@ bool settle(Cloth& cloth, const Account& before, const Account& after, const Fra
   if (debt.linear.norm() <= linear_rounding && debt.angular.norm() <= linear_rounding * std::sqrt(before.area) &&
       -debt.energy <= energy_rounding * before.kinetic)
     return true;
-  for (int rings = 0; rings <= max_rings; ++rings) {
-    const Payers payers(cloth, free_vertices(cloth, patch, rings), frame);
+  sort_unique(patch);
+  for (int ring = 0; ring <= rings; ++ring) {
+    if (ring > 0) patch = with_neighbours(cloth.mesh, patch);
+    const Payers payers(cloth, free_ones(cloth, patch), frame);
     if (!payers.carry_spin()) continue;
     const std::optional<MatN3> change = payers.settle(debt);
     if (!change) continue;
     payers.apply(*change, cloth);
     return true;
   }
-  const Payers payers(cloth, within_reach(cloth, patch), frame);
-  const std::optional<MatN3> change = payers.n() > 0 ? payers.settle_linear(debt) : std::nullopt;
-  if (change) payers.apply(*change, cloth);
-  return change.has_value();
+  return false;
 }
 
 void settle_in_part(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
-                    const std::vector<int>& patch) {
-  const Payers payers(cloth, within_reach(cloth, patch), frame);
-  if (payers.n() > 0) payers.apply(payers.settle_in_part(debt_of(before, after)), cloth);
+                    std::vector<int> patch) {
+  sort_unique(patch);
+  for (int ring = 0; ring < paying_rings; ++ring) patch = with_neighbours(cloth.mesh, patch);
+  const Payers payers(cloth, free_ones(cloth, std::move(patch)), frame);
+  if (payers.n() == 0) return;
+  const Debt debt = debt_of(before, after);
+  const std::optional<MatN3> change = payers.settle_linear(debt);
+  payers.apply(change ? *change : payers.settle_in_part(debt), cloth);
 }
 
 }  // namespace crease

@@ -28,19 +28,19 @@ struct Account {
 };
 Account account(const Cloth& cloth, std::span<const int> faces, const Frame& frame);
 
+/// Rings of vertices round a patch that may pay for an operation. One in ten thousand needs more than three.
+constexpr int paying_rings = 8;
+
 /// Makes up for what an operation did to its patch: changes the velocities of the free vertices (Lagrangian, not
 /// pinned or tied) among `patch`, by the least change of the velocity field, so that both momenta are as `before` and
-/// the kinetic energy is not above it. Where they cannot, first the vertices around them join in; then the energy comes
-/// before the angular momentum.
+/// the kinetic energy is not above it. Where they cannot, the vertices around them join in, ring by ring.
 /// @param before, after  accounts of the patch in `frame`, before the operation and now
-/// @return false if they cannot even keep the linear momentum without more energy: nothing is done then
-bool settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
-            const std::vector<int>& patch);
-/// The same as far as they can then: the energy comes before the linear momentum, too.
+/// @param rings  at most so many
+/// @return false if these cannot either: nothing is done then
+bool settle(Cloth& cloth, const Account& before, const Account& after, const Frame& frame, std::vector<int> patch,
+            int rings);
+/// The same as far as they can then: the linear momentum comes before the angular one, and the energy before both.
 void settle_in_part(Cloth& cloth, const Account& before, const Account& after, const Frame& frame,
-                    const std::vector<int>& patch);
-
-/// The vertices whose velocities these two may change.
-std::vector<int> within_reach(const Cloth& cloth, std::vector<int> patch);
+                    std::vector<int> patch);
 
 }  // namespace crease
