@@ -275,7 +275,7 @@ TEST(ScaledQp, RestsAtZero) {
   problem.f.setZero();
   problem.b_eq.setZero();
   problem.b_in.setZero();
-  for (const QpMethod method : {QpMethod::ActiveSet, QpMethod::Ipopt}) {
+  for (const QpMethod method : {QpMethod::ActiveSet, QpMethod::InteriorPoint, QpMethod::Ipopt}) {
     const QpResult result = make_qp_solver(method)->solve(problem);
     ASSERT_EQ(result.status, QpStatus::Solved) << result.message;
     EXPECT_EQ(result.q.norm(), 0);

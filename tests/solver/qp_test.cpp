@@ -80,7 +80,7 @@ TEST(RequireValid, RejectsMalformedProblems) {
     QpProblem problem = by_hand();
     spoil(problem);
     EXPECT_THROW(require_valid(problem), std::invalid_argument);
-    for (const QpMethod method : {QpMethod::ActiveSet, QpMethod::Ipopt})
+    for (const QpMethod method : {QpMethod::ActiveSet, QpMethod::InteriorPoint, QpMethod::Ipopt})
       EXPECT_THROW(make_qp_solver(method)->solve(problem), std::invalid_argument);
   };
   rejects([](QpProblem& p) { p.f[0] = nan; });
@@ -133,7 +133,7 @@ TEST(QpSolver, RejectsMalformedValuesInAPatternItKnows) {
 }
 
 TEST(QpSolver, RejectsMalformedOptionsAndGuesses) {
-  for (const QpMethod method : {QpMethod::ActiveSet, QpMethod::Ipopt}) {
+  for (const QpMethod method : {QpMethod::ActiveSet, QpMethod::InteriorPoint, QpMethod::Ipopt}) {
     const auto solver = make_qp_solver(method);
     EXPECT_THROW(solver->solve(by_hand(), {}, std::vector<char>(2)), std::invalid_argument);
     EXPECT_THROW(solver->solve(by_hand(), {.tolerance = 0}), std::invalid_argument);

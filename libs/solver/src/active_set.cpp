@@ -7,7 +7,6 @@
 
 #include "certificates.hpp"
 #include "entry.hpp"
-#include "ipopt.hpp"
 
 namespace crease {
 namespace {
@@ -73,17 +72,21 @@ QpResult ActiveSetSolver::solve(const QpProblem& problem, const QpOptions& optio
   return fall_back(problem, options, guess, std::move(result));
 }
 
+// The interior point of our own is asked first; whether there is a solution at all, Ipopt tells.
 QpResult ActiveSetSolver::fall_back(const QpProblem& problem, const QpOptions& options, std::span<const char> guess,
                                     QpResult best) {
   QpOptions own_budget;
   own_budget.tolerance = options.tolerance;
-  QpResult result = make_ipopt_solver()->solve(problem, own_budget, guess);
-  result.iterations += best.iterations;
-  result.fell_back = true;
-  if (result.status == QpStatus::Solved) return result;
+  QpResult result;
+  for (const QpMethod method : {QpMethod::InteriorPoint, QpMethod::Ipopt}) {
+    result = make_qp_solver(method)->solve(problem, own_budget, guess);
+    result.iterations += best.iterations;
+    result.fell_back = true;
+    if (result.status == QpStatus::Solved) return result;
+    best.iterations = result.iterations;
+  }
   const bool undecided = result.status == QpStatus::IterationLimit || result.status == QpStatus::NumericalTrouble;
   if (undecided && best.status == QpStatus::IterationLimit) {
-    best.iterations = result.iterations;
     best.fell_back = true;
     best.message += "; " + result.message;
     return best;

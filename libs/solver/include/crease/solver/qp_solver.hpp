@@ -9,9 +9,10 @@
 namespace crease {
 
 enum class QpMethod {
-  ActiveSet,  ///< default: primal-dual active set on one Cholesky factorisation, local rows as bounds, general rows in
-              ///< a Schur border
-  Ipopt       ///< independent reference: interior point, exact Hessian
+  ActiveSet,      ///< default: primal-dual active set on one Cholesky factorisation, local rows as bounds, general rows
+                  ///< in a Schur border
+  InteriorPoint,  ///< what answers where the active set gives up; knows nothing of blocks and has no warm start
+  Ipopt           ///< independent reference: interior point, exact Hessian
 };
 
 /// Keeps a factorisation's symbolic analysis and workspace between calls.
