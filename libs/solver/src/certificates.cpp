@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "max_abs.hpp"
+
 namespace crease {
 namespace {
 
@@ -13,10 +15,6 @@ constexpr double out_of_proportion = 1e4;
 constexpr double zero_share = 1e-9;
 /// |cosine| between f and the ray that is surely not rounding.
 constexpr double pull_share = 1e-7;
-
-double max_abs(const VecX& v) {
-  return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
-}
 
 }  // namespace
 

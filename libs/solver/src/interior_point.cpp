@@ -8,6 +8,7 @@
 #include <Eigen/SparseCholesky>
 
 #include "entry.hpp"
+#include "max_abs.hpp"
 #include "scaled_qp.hpp"
 
 namespace crease {
@@ -23,10 +24,6 @@ constexpr double way_share = 0.995;
 constexpr double goal = 1e-11;
 /// Iterations without a better point after which there is none to be had.
 constexpr int patience = 15;
-
-double max_abs(const VecX& v) {
-  return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
-}
 
 /// Of inequalities a slack s > 0 and a multiplier > 0 each; the equalities' multipliers come before those.
 struct Point {

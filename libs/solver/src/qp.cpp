@@ -8,6 +8,7 @@
 #include "block_pattern.hpp"
 #include "crease/base/require.hpp"
 #include "entry.hpp"
+#include "max_abs.hpp"
 
 namespace crease {
 namespace {
@@ -19,10 +20,6 @@ constexpr double tiny_scale = 1e-300;  ///< stands in for a scale of zero
 /// A stiff H takes large forces apart whose sum is small (a light sheet in rigid motion); H q then cannot be closer to
 /// f than rounding of |H| |q|, some 1e-13 of it, which has to be a residual below any tolerance asked for (1e-8).
 constexpr double cancellation_share = 1e-5;
-
-double max_abs(const Eigen::Ref<const VecX>& v) {
-  return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
-}
 
 /// 0 * x is 0 for a finite x and NaN otherwise.
 bool is_finite(const double* values, Eigen::Index count) {

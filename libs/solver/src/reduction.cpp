@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "reduction.hpp"
+#include "max_abs.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -17,10 +18,6 @@ constexpr double no_diagonal = 1e-13;
 constexpr double decided_row = 1e-10;
 /// Mismatch of constants that counts as rounding.
 constexpr double mismatch_tolerance = 1e-9;
-
-double max_abs(const VecX& v) {
-  return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
-}
 
 /// One block of H, `rows` x `columns` in a column of blocks `height` high, into the coordinates of its vertices: by a
 /// basis, or where there is none by a diagonal. N = 3 is the size of nearly all of them.

@@ -8,6 +8,8 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseQR>
 
+#include "max_abs.hpp"
+
 namespace crease {
 namespace {
 
@@ -23,10 +25,6 @@ constexpr int polish_rounds = 5;
 constexpr double polish_tie = 1e-13;  ///< on numbers about 1
 /// Below this residual two points are equally good, and the polished one has its zeros exact.
 constexpr double rounding_share = 1e-11;
-
-double max_abs(const VecX& v) {
-  return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
-}
 
 /// Rows of `A` that span all of them; `conflict` if no point meets A y = b.
 std::vector<int> independent_rows(const SparseMatrix& transposed, const VecX& b, bool& conflict) {

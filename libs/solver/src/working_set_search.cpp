@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "working_set_search.hpp"
+#include "max_abs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,11 +20,6 @@ constexpr int refinements = 2;
 /// Share of the largest force (unknown) that is rounding of the sums in an equation: of some fifty products, through a
 /// solve. A further solve would gain less than the certificate can see.
 constexpr double rounding_share = 1e-13;
-
-template <class Vector>
-double max_abs(const Vector& v) {
-  return v.size() == 0 ? 0.0 : v.cwiseAbs().maxCoeff();
-}
 
 }  // namespace
 
