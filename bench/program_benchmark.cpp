@@ -2,7 +2,8 @@
 //
 // Whether the solver is right on the quadratic programs of real runs: takes programs from scenes' whole runs, evenly,
 // has each solved by Ipopt too, and compares the objectives. Every program of the runs counts for the KKT residual, the
-// iterations and the fallbacks. Ends with 1 if anything fails.
+// iterations and the fallbacks. With --write, the programs that were compared are kept as files, which can be given
+// instead of scenes, and which other solvers read. Ends with 1 if anything fails.
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,10 +11,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <limits>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "crease/solver/qps.hpp"
 #include "crease/stepper/run.hpp"
 #include "measure.hpp"
 
@@ -57,23 +62,36 @@ double objective_size(const QpProblem& problem, const VecX& q) {
   return std::max({std::abs(objective(problem, q)), 0.5 * q.dot(problem.H * q), std::abs(problem.f.dot(q))});
 }
 
+/// Of one scene's programs.
 class Comparison {
  public:
-  explicit Comparison(int every) : every_(every) {}
+  /// @param every   how many programs there are for one that is compared
+  /// @param folder  where those go as files; empty: nowhere
+  Comparison(std::string name, int every, std::filesystem::path folder)
+      : name_(std::move(name)), every_(every), folder_(std::move(folder)) {}
 
-  QpResult solve(const QpProblem& problem, std::span<const char> guess, const Stages& stages) {
-    QpResult result = stages.solve(problem, guess);
-    tally.fallbacks += result.fell_back;
-    tally.most_iterations = std::max(tally.most_iterations, result.iterations);
-    const bool solved = result.status == QpStatus::Solved;
-    if (solved) tally.residual = std::max(tally.residual, result.kkt_residual);
-    if (tally.programs++ % every_ == 0 || !solved) compare(problem, result);
-    return result;
+  void count(const QpProblem& problem, const QpResult& ours) {
+    tally.fallbacks += ours.fell_back;
+    tally.most_iterations = std::max(tally.most_iterations, ours.iterations);
+    const bool solved = ours.status == QpStatus::Solved;
+    if (solved) tally.residual = std::max(tally.residual, ours.kkt_residual);
+    if (tally.programs++ % every_ == 0 || !solved) {
+      if (!folder_.empty()) write(problem);
+      compare(problem, ours);
+    }
   }
 
   Tally tally;
 
  private:
+  void write(const QpProblem& problem) const {
+    const std::string name = name_ + '_' + std::to_string(tally.programs);
+    const std::filesystem::path path = folder_ / (name + ".qps");
+    std::ofstream out(path);
+    write_qps(out, problem, name);
+    if (!out.flush()) throw std::runtime_error(path.string() + ": cannot be written");
+  }
+
   void compare(const QpProblem& problem, const QpResult& ours) {
     ++tally.compared;
     const QpResult theirs = make_qp_solver(QpMethod::Ipopt)->solve(problem);
@@ -90,13 +108,16 @@ class Comparison {
     tally.differ += !(difference <= same_objective);
   }
 
+  std::string name_;
   int every_;
+  std::filesystem::path folder_;
 };
 
-Tally measure(const std::string& file, int count) {
+Tally measure_scene(const std::string& file, int count, const std::filesystem::path& folder) {
   const LoadedScene loaded = load_scene(file, {});
   const int steps = static_cast<int>(loaded.scene.duration / loaded.scene.time_step);
-  Comparison comparison(std::max(1, steps / std::max(1, count)));
+  const std::string name = std::filesystem::path(file).stem().string();
+  Comparison comparison(name, std::max(1, steps / std::max(1, count)), folder);
   RunOptions options;
   options.directory = std::filesystem::temp_directory_path() / ("crease_program_benchmark_" + std::to_string(getpid()));
   options.force = true;
@@ -104,34 +125,71 @@ Tally measure(const std::string& file, int count) {
     Stages stages = make_stages(scene, spec);
     if (!stages.solve) return stages;
     stages.solve = [&comparison, plain = stages](const QpProblem& problem, std::span<const char> guess) {
-      return comparison.solve(problem, guess, plain);
+      QpResult result = plain.solve(problem, guess);
+      comparison.count(problem, result);
+      return result;
     };
     return stages;
   };
   const RunResult result = run_scene(loaded, options);
   if (result.status != RunStatus::Done) std::fprintf(stderr, "%s: %s\n", file.c_str(), result.message.c_str());
   std::filesystem::remove_all(options.directory);
-  if (comparison.tally.programs > 0) comparison.tally.print(std::filesystem::path(file).stem().string());
+  if (comparison.tally.programs > 0) comparison.tally.print(name);
   return comparison.tally;
+}
+
+/// Each solved from nothing, without a guess.
+Tally measure_files(std::span<const std::string> files) {
+  Comparison comparison("", 1, {});
+  for (const std::string& file : files) {
+    std::ifstream in(file);
+    try {
+      const QpProblem problem = read_qps(in);
+      comparison.count(problem, make_qp_solver(QpMethod::ActiveSet)->solve(problem));
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(file + ": " + error.what());
+    }
+  }
+  return comparison.tally;
+}
+
+Tally measure(std::vector<std::string> arguments) {
+  std::filesystem::path folder;
+  if (const auto write = std::find(arguments.begin(), arguments.end(), "--write"); write != arguments.end()) {
+    if (write + 1 == arguments.end()) throw std::invalid_argument("--write: expected a folder");
+    folder = write[1];
+    std::filesystem::create_directories(folder);
+    arguments.erase(write, write + 2);
+  }
+  const bool are_files = !arguments.empty() && arguments[0].ends_with(".qps");
+  if (!are_files && arguments.size() < 2) throw std::invalid_argument("expected programs or scenes");
+  if (are_files) return measure_files(arguments);
+  const std::span<const std::string> scenes = std::span(arguments).subspan(1);
+  const int each =
+      (std::atoi(arguments[0].c_str()) + static_cast<int>(scenes.size()) - 1) / static_cast<int>(scenes.size());
+  Tally all;
+  for (const std::string& scene : scenes) all.add(measure_scene(scene, each, folder));
+  return all;
 }
 
 }  // namespace
 }  // namespace crease
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "usage: program_benchmark PROGRAMS SCENE.json..\n");
-    return 2;
-  }
   std::printf(
       "| scene | programs | without a solution | not solved | fallbacks | most exchanges | given to Ipopt too | not "
       "solved "
       "there | KKT residual, largest | objectives differ, most | by more than 1e-6 "
       "|\n|---|---|---|---|---|---|---|---|---|---|---|\n");
-  crease::Tally all;
-  const int each = (std::atoi(argv[1]) + argc - 3) / (argc - 2);
-  for (int i = 2; i < argc; ++i) all.add(crease::measure(argv[i], each));
-  all.print("all");
-  const bool right = all.unsolved == 0 && all.differ == 0 && all.residual <= crease::largest_residual;
-  return right ? 0 : 1;
+  try {
+    const crease::Tally all = crease::measure({argv + 1, argv + argc});
+    all.print("all");
+    return all.unsolved == 0 && all.differ == 0 && all.residual <= crease::largest_residual ? 0 : 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr,
+                 "%s\nusage: program_benchmark PROGRAMS SCENE.json.. [--write FOLDER]\n       program_benchmark "
+                 "PROGRAM.qps..\n",
+                 error.what());
+    return 2;
+  }
 }
