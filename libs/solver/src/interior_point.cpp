@@ -175,13 +175,9 @@ class InteriorPointSolver : public QpSolver {
 QpResult InteriorPointSolver::solve(const QpProblem& problem, const QpOptions& options, std::span<const char> guess) {
   require_valid(problem, options, guess);
   if (std::optional<QpResult> rest = solve_at_rest(problem)) return *std::move(rest);
-  QpResult result;
   const ScaledQp qp(problem);
-  if (qp.conflict) {
-    result.status = QpStatus::Infeasible;
-    result.message = "the equalities contradict each other";
-    return result;
-  }
+  if (std::optional<QpResult> refused = qp.refusal()) return *std::move(refused);
+  QpResult result;
   InteriorPoint search(qp);
   Point best;
   double least = HUGE_VAL;

@@ -163,12 +163,7 @@ QpResult IpoptSolver::solve(const QpProblem& problem, const QpOptions& options, 
   require_valid(problem, options, guess);
   if (std::optional<QpResult> rest = solve_at_rest(problem)) return *std::move(rest);
   const ScaledQp qp(problem);
-  if (qp.conflict) {
-    QpResult result;
-    result.status = QpStatus::Infeasible;
-    result.message = "the equalities contradict each other";
-    return result;
-  }
+  if (std::optional<QpResult> refused = qp.refusal()) return *std::move(refused);
   const Ipopt::SmartPtr<QpNlp> nlp = new QpNlp(qp);
   int iterations = 0;
   Ipopt::ApplicationReturnStatus code = Ipopt::Internal_Error;

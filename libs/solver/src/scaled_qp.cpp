@@ -147,6 +147,14 @@ ScaledQp::ScaledQp(const QpProblem& problem) {
   b /= size;
 }
 
+std::optional<QpResult> ScaledQp::refusal() const {
+  if (!conflict) return std::nullopt;
+  QpResult result;
+  result.status = QpStatus::Infeasible;
+  result.message = "the equalities contradict each other";
+  return result;
+}
+
 QpResult ScaledQp::read_out(const QpProblem& problem, const VecX& y, const VecX& lambda) const {
   QpResult result = unscaled(problem, *this, y, lambda);
   VecX corner = y, forces = lambda;

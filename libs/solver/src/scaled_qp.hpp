@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "crease/solver/qp.hpp"
@@ -25,6 +26,9 @@ struct ScaledQp {
   bool conflict = false;  ///< one of the others contradicts them
 
   explicit ScaledQp(const QpProblem& problem);
+
+  /// The answer where the equalities contradict each other.
+  std::optional<QpResult> refusal() const;
 
   /// What y and lambda say of the problem, or the corner that they point at, if that is as good: an interior point is
   /// only near the solution. The status is left to the caller.
