@@ -39,6 +39,9 @@ constexpr double flip_gain = 1.2;
 constexpr double good_altitude_share = 0.8;
 // ... and moves the surface by no more than this share of `snap`.
 constexpr double good_shift_share = 0.1;
+// Within this shift, as a share of `snap`, a sliver in the chain's way may turn as it likes: a needle of 50 microns has
+// any normal, and to refuse its flip for that holds the cloth there.
+constexpr double sliver_shift_share = 0.5;
 // A foot nearer to an end of its chain edge than this share of `merge` is that end.
 constexpr double least_foot_share = 0.5;
 // Nor may a new edge run deeper than this share of `snap` inside a feature, unless what is in the way is within
@@ -55,7 +58,7 @@ struct Permission {
   double angle;   // that a triangle may have, or it had less before [rad]
   double strain;  // that the patch may gain, see strain.hpp [1]
   bool cut;       // a feature may be cut
-  bool slivers;   // they may turn as they like where nobody will see it: their normals mean nothing
+  double sliver;  // shift within which they may turn as they like: their normals mean nothing [m]
 };
 
 class Merger {
@@ -113,13 +116,14 @@ double Merger::clearance(int v) const {
 }
 
 Permission Merger::permission(double room) const {
-  if (room < c_.merge(last_share)) return {1.2, c_.merge(0.5), 0, HUGE_VAL, true, true};
-  if (room < need_) return {1.2, c_.merge(0.5), 0, needed_strain, false, true};
-  return {0.35, good_shift_share * c_.options.snap, least_angle, needed_strain, false, false};
+  const double snap = c_.options.snap;
+  if (room < c_.merge(last_share)) return {1.2, c_.merge(0.5), 0, HUGE_VAL, true, sliver_shift_share * snap};
+  if (room < need_) return {1.2, c_.merge(0.5), 0, needed_strain, false, good_shift_share * snap};
+  return {0.35, good_shift_share * snap, least_angle, needed_strain, false, 0};
 }
 
 double Merger::turn_allowed(const Permission& allowed, double shift) const {
-  return allowed.slivers && shift <= good_shift_share * c_.options.snap ? HUGE_VAL : allowed.turn;
+  return shift < allowed.sliver ? HUGE_VAL : allowed.turn;
 }
 
 // Height of corner v over the opposite side of a face.
